@@ -1,0 +1,28 @@
+// Finds the real recordings, which are not part of the repository.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace fusion_slam {
+
+// FUSION_SLAM_DATA, or ../shared/data beside the source tree.
+inline std::filesystem::path recordings_root() {
+  if (const char* root = std::getenv("FUSION_SLAM_DATA")) return root;
+  return std::filesystem::path(FS_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+}  // namespace fusion_slam
+
+// Declares `path`; skips the test when that recording is missing, fails it under CI.
+#define FS_RECORDING(path, name)                                              \
+  const std::filesystem::path path = fusion_slam::recordings_root() / (name); \
+  if (!std::filesystem::exists(path)) {                                       \
+    const char* ci = std::getenv("CI");                                       \
+    if (ci != nullptr && std::string(ci) == "true")                           \
+      FAIL() << "recording " << (name) << " not found";                       \
+    GTEST_SKIP() << "skipped: recording " << (name) << " not found";          \
+  }
