@@ -1,5 +1,6 @@
-// An unbounded 2D grid of bytes kept as 64 x 64 tiles. Cell (i, j) covers [i, i+1) x [j, j+1) times resolution_m;
-// x grows with i, y with j. A cell's byte is a probability of occupied: 0 unknown, else (value - 1) / 254.
+// An unbounded 2D grid of bytes kept as 64 x 64 tiles. Cell (i, j) covers [i, i+1) x [j, j+1) times
+// resolution_m; x grows with i, y with j. A cell's byte is a probability of occupied: 0 unknown,
+// else (value - 1) / 254.
 #pragma once
 
 #include <array>
@@ -48,8 +49,8 @@ class TiledGrid {
   std::map<TileIndex, TileCells> tiles_;
 };
 
-// One tile of a grid for the wire (encoding kGridProbability), and back. Decoding gives nothing when the tile's
-// encoding, size or data are not what encode_grid_tile makes.
+// One tile of a grid for the wire (encoding kGridProbability), and back. Decoding gives nothing
+// when the tile's encoding, size or data are not what encode_grid_tile makes.
 Tile encode_grid_tile(const TileKey& key, const TileCells& cells, double resolution_m,
                       std::int64_t revision, std::int64_t utime_us);
 std::optional<TileCells> decode_grid_tile(const Tile& tile);

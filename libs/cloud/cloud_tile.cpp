@@ -1,0 +1,84 @@
+#include "libs/cloud/cloud_tile.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace fusion_slam {
+namespace {
+
+constexpr std::size_t kPointBytes = 9;
+constexpr double kUnitsPerEdge = 65536.0;
+
+std::array<std::int32_t, 3> indices(const TileKey& key) { return {key.x, key.y, key.z}; }
+
+}  // namespace
+
+TileKey cloud_tile_of(std::int64_t submap_id, const Eigen::Vector3d& p_m, double resolution_m) {
+  const double edge_m = kCloudTileVoxels * resolution_m;
+  TileKey key;
+  key.submap_id = submap_id;
+  key.x = static_cast<std::int32_t>(std::floor(p_m.x() / edge_m));
+  key.y = static_cast<std::int32_t>(std::floor(p_m.y() / edge_m));
+  key.z = static_cast<std::int32_t>(std::floor(p_m.z() / edge_m));
+  return key;
+}
+
+Tile encode_cloud_tile(const TileKey& key, const std::vector<ColouredPoint>& points,
+                       double resolution_m, std::int64_t revision, std::int64_t utime_us) {
+  Tile tile;
+  tile.key = key;
+  tile.utime_us = utime_us;
+  tile.revision = revision;
+  tile.resolution_m = resolution_m;
+  tile.size_cells = kCloudTileVoxels;
+  if (points.empty()) return tile;
+
+  const std::size_t n = std::min(points.size(), kCloudTileMaxPoints);
+  const double edge_m = kCloudTileVoxels * resolution_m;
+  std::vector<std::uint8_t> raw(n * kPointBytes);
+  for (std::size_t i = 0; i < n; ++i) {
+    const ColouredPoint& point = points[i * points.size() / n];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double offset =
+          point.p_m[static_cast<Eigen::Index>(axis)] / edge_m - indices(key)[axis];
+      const double units = std::clamp(std::floor(offset * kUnitsPerEdge), 0.0, kUnitsPerEdge - 1.0);
+      const auto value = static_cast<std::uint32_t>(units);
+      raw[2 * (axis * n + i)] = static_cast<std::uint8_t>(value & 0xFFU);
+      raw[2 * (axis * n + i) + 1] = static_cast<std::uint8_t>(value >> 8U);
+    }
+    raw[6 * n + i] = point.r;
+    raw[7 * n + i] = point.g;
+    raw[8 * n + i] = point.b;
+  }
+  tile.encoding = TileEncoding::kCloud;
+  tile.data = deflate_bytes(raw);
+  return tile;
+}
+
+std::optional<std::vector<ColouredPoint>> decode_cloud_tile(const Tile& tile) {
+  if (tile.size_cells != kCloudTileVoxels) return std::nullopt;
+  if (tile.encoding == TileEncoding::kEmpty) return std::vector<ColouredPoint>{};
+  if (tile.encoding != TileEncoding::kCloud || !std::isfinite(tile.resolution_m))
+    return std::nullopt;
+  const auto raw =
+      inflate_bytes(tile.data.data(), tile.data.size(), kCloudTileMaxPoints * kPointBytes);
+  if (!raw || raw->empty() || raw->size() % kPointBytes != 0) return std::nullopt;
+  const std::size_t n = raw->size() / kPointBytes;
+  const double edge_m = kCloudTileVoxels * tile.resolution_m;
+  std::vector<ColouredPoint> points(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t at = 2 * (axis * n + i);
+      const double units = (*raw)[at] + 256.0 * (*raw)[at + 1];
+      points[i].p_m[static_cast<Eigen::Index>(axis)] =
+          static_cast<float>((indices(tile.key)[axis] + (units + 0.5) / kUnitsPerEdge) * edge_m);
+    }
+    points[i].r = (*raw)[6 * n + i];
+    points[i].g = (*raw)[7 * n + i];
+    points[i].b = (*raw)[8 * n + i];
+  }
+  return points;
+}
+
+}  // namespace fusion_slam
