@@ -19,8 +19,9 @@ ColouredPoint point(double x, double y, double z) {
 }
 
 TEST(CloudTile, BytesAreThoseOfTheTable) {
+  const double exact = 1.0 / 32.0;  // a cube of 1 m
   const Tile tile = encode_cloud_tile(
-      {0, 0, -1, 0}, {point(0.4, -0.8, 0.2), point(0.0, -0.4, 0.79999999)}, kResolution, 1, 5);
+      {0, 0, -1, 0}, {point(0.5, -1.0, 0.25), point(0.0, -0.5, 0.99999)}, exact, 1, 5);
   EXPECT_EQ(tile.encoding, TileEncoding::kCloud);
   EXPECT_EQ(tile.size_cells, 32);
   const auto raw = inflate_bytes(tile.data.data(), tile.data.size(), 100000);
