@@ -1,9 +1,10 @@
-// Pinhole camera whose depth image is registered to its colour image. Optical frame: x right, y down, z forward; metres.
+// Pinhole camera whose depth image is registered to its colour image. Optical frame: x right, y
+// down, z forward; metres.
 #pragma once
 
-#include <Eigen/Core>
-
 #include <array>
+
+#include <Eigen/Core>
 
 namespace fusion_slam {
 
@@ -17,8 +18,10 @@ struct CameraModel {
   std::array<double, 5> distortion{};  // k1, k2, p1, p2, k3 (OpenCV order)
   double depth_min_m = 0.4;
   double depth_max_m = 8.0;
-  double depth_sigma_m = 0.0012;     // sigma(z) = depth_sigma_m + depth_sigma_per_m * z^2: structured-light
-  double depth_sigma_per_m = 0.0019; // cameras (Khoshelham & Elberink 2012; Nguyen et al. 2012), 1/m
+  double depth_sigma_m =
+      0.0012;  // sigma(z) = depth_sigma_m + depth_sigma_per_m * z^2: structured-light
+  double depth_sigma_per_m =
+      0.0019;  // cameras (Khoshelham & Elberink 2012; Nguyen et al. 2012), 1/m
   double rate_hz = 30.0;
 
   // Pixel of a point in the optical frame, ideal (no distortion). z must not be 0.
