@@ -1,42 +1,36 @@
-// The only door to LCM. A process owns one Bus: it subscribes with a policy per channel, publishes with sequence
-// numbers, answers RESEND, says STATUS at 1 Hz, and hands messages to its callbacks on the thread that calls run(),
-// merged by measurement time. Callbacks never run at the same time as each other.
+// The only door to LCM. A process owns one Bus: it subscribes with a policy per channel, publishes
+// with sequence numbers, answers RESEND, says STATUS at 1 Hz, and hands messages to its callbacks
+// on the thread that calls run(), merged by measurement time. Callbacks never run at the same time
+// as each other.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "fusion_slam/status_t.hpp"
+#include "fusion_slam/tile_t.hpp"
+#include "libs/bus/policy.hpp"
+
 namespace fusion_slam {
 
-struct status_t;
-
-// What happens to messages that wait while a callback runs.
-enum class Policy {
-  kKeepAll,     // all are handled, in order; beyond `keep_all_bound` the oldest are dropped and counted
-  kLatestOnly,  // live: only the newest is kept, the others are dropped and counted; offline: as kKeepAll
-};
-
-enum class Mode {
-  kLive,        // the robot's clock drives: latest-only drops, late input is waited for up to merge_wait_us
-  kThroughput,  // a replay bounds what is in flight: nothing is dropped, order as in kLive
-  kLockstep,    // a replay says by STEP what to handle and when: byte-identical results
-};
-
 struct BusOptions {
-  std::string url;               // udpm://, memq://, file://; empty: LCM_DEFAULT_URL or LCM's default
-  std::string process;           // name in STATUS
+  std::string url;      // udpm://, memq://, file://; empty: LCM_DEFAULT_URL or LCM's default
+  std::string process;  // name in STATUS
   Mode mode = Mode::kLive;
   std::size_t keep_all_bound = 4096;  // messages a channel
-  std::int64_t merge_wait_us = 30'000;  // live: how long a message waits for older ones of other channels
+  std::int64_t merge_wait_us =
+      30'000;  // live: how long a message waits for older ones of other channels
 };
 
-class Transport;  // an LCM handle and its reader thread; several buses of one process may share one (memq)
+class Transport;  // an LCM handle and its reader thread; several buses of one process may share one
+                  // (memq)
 
 // Thread-safe where noted; otherwise to be called from the thread that runs run().
 class Bus {
@@ -48,8 +42,9 @@ class Bus {
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
-  // Handler of one type on one channel (A-Z, 0-9, _). Must be called before run(). Messages that fail the decoder guard
-  // never reach the handler: they are counted and reported. A handler that throws ends run() with that exception.
+  // Handler of one type on one channel (A-Z, 0-9, _). Must be called before run(). Messages that
+  // fail the decoder guard never reach the handler: they are counted and reported. A handler that
+  // throws ends run() with that exception.
   template <class Message>
   void subscribe(const std::string& channel, Policy policy,
                  std::function<void(const Message&)> handler);
@@ -58,15 +53,17 @@ class Bus {
   template <class Message>
   void publish(const std::string& channel, Message message);
 
-  // Handles messages until stop() or COMMAND quit. Installs nothing: main() turns signals into stop().
+  // Handles messages until stop() or COMMAND quit. Installs nothing: main() turns signals into
+  // stop().
   void run();
   void stop();  // any thread, and signal handlers
 
-  // Handles what is waiting now without blocking longer than timeout_ms; true when something was handled.
+  // Handles what is waiting now without blocking longer than timeout_ms; true when something was
+  // handled.
   bool handle(int timeout_ms);
 
-  // Called in run() about every `period_ms` of wall time between messages (live and throughput modes only): for
-  // publishing state to people. Algorithms must not depend on it.
+  // Called in run() about every `period_ms` of wall time between messages (live and throughput
+  // modes only): for publishing state to people. Algorithms must not depend on it.
   void every(int period_ms, std::function<void()> callback);
 
   // Shown in STATUS until changed; any thread.
@@ -76,15 +73,33 @@ class Bus {
   status_t status() const;  // what STATUS would say now; any thread
   Mode mode() const;
 
+  // --- for tools: replay, viewers, tile channels ---
+  // Bytes as they stand in a log. Counted like publish().
+  void publish_bytes(const std::string& channel, const std::vector<std::uint8_t>& bytes);
+  // Sends a tile and keeps it: the newest of each key is sent again to whoever asks, and
+  // <CHANNEL>_INDEX says what there is.
+  void publish_tile(const std::string& channel, tile_t tile);
+  // Handler called on the reader's thread at once, outside lockstep and queues; for STATUS, RESEND
+  // and the like.
+  template <class Message>
+  void listen(const std::string& channel, std::function<void(const Message&)> handler);
+  std::map<std::string, std::int64_t> published()
+      const;  // messages sent so far by channel; any thread
+  std::map<std::string, std::int64_t> processed()
+      const;  // messages handled so far by channel; any thread
+
  private:
   struct Impl;
   using Decode = std::function<void(const std::uint8_t* bytes, std::size_t size_bytes)>;
-  void subscribe_raw(const std::string& channel, const std::string& type_name, Policy policy, Decode decode);
-  void publish_raw(const std::string& channel, const std::uint8_t* bytes, std::size_t size_bytes, std::int64_t seq);
-  std::int64_t next_seq(const std::string& channel);
+  void subscribe_raw(const std::string& channel, std::uint64_t fingerprint, Policy policy,
+                     Decode decode);
+  void listen_raw(const std::string& channel, std::uint64_t fingerprint, Decode decode);
+  // Fills and sends under one lock, so that numbers go out in order.
+  void publish_raw(const std::string& channel,
+                   const std::function<std::vector<std::uint8_t>(std::int64_t seq)>& encode);
   std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace fusion_slam
 
-#include "libs/bus/bus_impl.hpp"  // IWYU pragma: keep
+#include "libs/bus/bus_templates.hpp"  // IWYU pragma: keep

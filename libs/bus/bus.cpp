@@ -1,0 +1,118 @@
+#include "libs/bus/bus.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <utility>
+
+#include "libs/bus/bus_internal.hpp"
+#include "libs/schema/guard.hpp"
+
+namespace fusion_slam {
+
+Bus::Bus(BusOptions options) : Bus(options, std::make_shared<Transport>(options.url)) {}
+
+Bus::Bus(BusOptions options, std::shared_ptr<Transport> transport)
+    : impl_(std::make_unique<Impl>(std::move(options), std::move(transport))) {
+  impl_->start();
+}
+
+Bus::~Bus() {
+  impl_->stopping = true;
+  impl_->changed.notify_all();
+  impl_->tokens.clear();
+}
+
+void Bus::subscribe_raw(const std::string& channel, std::uint64_t fingerprint, Policy policy,
+                        Decode decode) {
+  const LcmType* type = builtin_schema().find(fingerprint);
+  std::size_t index = 0;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    index = impl_->inbox.add_channel(channel, policy, type->continues_with_seq);
+    impl_->handlers.push_back({type, std::move(decode)});
+  }
+  impl_->tokens.push_back(impl_->transport->subscribe(
+      channel,
+      [impl = impl_.get(), index](const std::string&, const std::uint8_t* bytes, std::size_t size) {
+        impl->receive(index, bytes, size);
+      }));
+}
+
+void Bus::listen_raw(const std::string& channel, std::uint64_t fingerprint, Decode decode) {
+  const LcmType* type = builtin_schema().find(fingerprint);
+  impl_->tokens.push_back(impl_->transport->subscribe(
+      channel, [impl = impl_.get(), type, decode = std::move(decode)](
+                   const std::string& name, const std::uint8_t* bytes, std::size_t size) {
+        if (impl->passes_guard(name, *type, bytes, size))
+          impl->decode_safely(name, decode, bytes, size);
+      }));
+}
+
+void Bus::publish_raw(const std::string& channel,
+                      const std::function<std::vector<std::uint8_t>(std::int64_t)>& encode) {
+  const std::lock_guard<std::mutex> lock(impl_->out_mutex);
+  const auto bytes = encode(impl_->outbox.next_seq(channel));
+  impl_->outbox.sent(channel, bytes);
+  impl_->transport->publish(channel, bytes);
+}
+
+void Bus::publish_bytes(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+  const std::lock_guard<std::mutex> lock(impl_->out_mutex);
+  impl_->outbox.sent(channel, bytes);
+  impl_->transport->publish(channel, bytes);
+}
+
+void Bus::publish_tile(const std::string& channel, tile_t tile) {
+  const std::lock_guard<std::mutex> lock(impl_->out_mutex);
+  tile.seq = impl_->outbox.next_seq(channel);
+  const auto bytes = bus_detail::encode(tile);
+  impl_->outbox.sent_tile(channel, {tile.submap_id, tile.x, tile.y, tile.z}, tile.revision, bytes);
+  impl_->transport->publish(channel, bytes);
+}
+
+void Bus::run() {
+  impl_->running = true;
+  impl_->send_status();
+  const bool is_file = impl_->transport->url().rfind("file://", 0) == 0;
+  while (!impl_->stopping) {
+    const bool handled = handle(50);
+    impl_->call_timers();
+    if (is_file && !handled && impl_->transport->at_end()) break;
+  }
+}
+
+void Bus::stop() { impl_->stopping = true; }
+
+bool Bus::handle(int timeout_ms) {
+  return impl_->options.mode == Mode::kLockstep ? impl_->handle_step(timeout_ms)
+                                                : impl_->handle_one(timeout_ms);
+}
+
+void Bus::every(int period_ms, std::function<void()> callback) {
+  impl_->timers.push_back({period_ms * 1000LL, now_us(), std::move(callback)});
+}
+
+void Bus::set_state_text(const std::string& text) {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  impl_->state_text = text;
+}
+
+void Bus::report_error(const std::string& text) { impl_->report(text); }
+
+status_t Bus::status() const { return impl_->status(); }
+Mode Bus::mode() const { return impl_->options.mode; }
+
+std::map<std::string, std::int64_t> Bus::published() const {
+  const std::lock_guard<std::mutex> lock(impl_->out_mutex);
+  return impl_->outbox.counts();
+}
+
+std::map<std::string, std::int64_t> Bus::processed() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  std::map<std::string, std::int64_t> result;
+  for (const auto& channel : impl_->inbox.channels())
+    result[channel.name] = channel.counters.processed;
+  return result;
+}
+
+}  // namespace fusion_slam

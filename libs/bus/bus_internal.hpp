@@ -1,0 +1,100 @@
+// The inside of Bus: what the reader's thread and the handling thread share. Included by
+// libs/bus/*.cpp only.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+
+#include "fusion_slam/resend_t.hpp"
+#include "fusion_slam/step_t.hpp"
+#include "libs/bus/bus.hpp"
+#include "libs/bus/inbox.hpp"
+#include "libs/bus/latency.hpp"
+#include "libs/bus/outbox.hpp"
+#include "libs/bus/transport.hpp"
+#include "libs/schema/schema.hpp"
+
+namespace fusion_slam {
+
+std::int64_t now_us();         // monotonic
+std::int64_t wall_utime_us();  // since the epoch; for STATUS and requests only
+
+struct Bus::Impl {
+  Impl(BusOptions options_in, std::shared_ptr<Transport> transport_in);
+  void start();  // subscribes to what every process listens to
+
+  // --- reader's thread ---
+  void receive(std::size_t index, const std::uint8_t* bytes, std::size_t size);
+  bool passes_guard(const std::string& channel, const LcmType& type, const std::uint8_t* bytes,
+                    std::size_t size);
+  void decode_safely(const std::string& channel, const Decode& decode, const std::uint8_t* bytes,
+                     std::size_t size);
+  void on_resend(const resend_t& request);
+  void on_step(const step_t& step);
+  void on_peer_status(const status_t& peer);
+  void idle();  // STATUS, indexes, requests for what is missing, answers to requests
+  void request_missing(std::int64_t now);
+  void answer_requests();
+
+  // --- handling thread ---
+  bool handle_one(int timeout_ms);
+  bool handle_step(int timeout_ms);
+  void handle_item(const InboxItem& item);
+  void call_timers();
+
+  // --- any thread ---
+  void report(const std::string& text);
+  status_t status() const;
+  void send_status();
+
+  struct Handler {
+    const LcmType* type = nullptr;
+    Decode decode;
+  };
+  struct Timer {
+    std::int64_t period_us = 0;
+    std::int64_t last_us = 0;
+    std::function<void()> callback;
+  };
+  // What a peer's STATUS said of a channel whose messages carry no number.
+  struct Peer {
+    std::int32_t pid = 0;
+    std::int64_t base = 0;       // its count minus ours when we first heard of it
+    std::int64_t published = 0;  // a second ago
+  };
+
+  BusOptions options;
+  std::shared_ptr<Transport> transport;
+  std::atomic<bool> stopping{false};
+  std::atomic<bool> running{false};
+
+  mutable std::mutex mutex;  // of the inbox side
+  std::condition_variable changed;
+  Inbox inbox;
+  std::vector<Handler> handlers;
+  std::map<std::string, std::int64_t> listened_rejected;
+  std::deque<step_t> steps;
+  std::int64_t step_done = 0;
+  LatencyHistogram latency;
+  std::string state_text;
+  std::string last_error;
+  std::int64_t error_count = 0;
+  std::map<std::string, Peer> peers;
+  std::map<std::size_t, std::int64_t> requested_us;
+
+  std::mutex status_mutex;  // of send_status, taken before the others
+
+  mutable std::mutex out_mutex;  // of the outbox side
+  Outbox outbox;
+  std::deque<std::pair<std::string, Outbox::Bytes>> to_resend;
+
+  std::vector<Timer> timers;  // handling thread only
+  std::atomic<std::int64_t> last_status_us{0};
+  std::int64_t last_index_us = 0;
+  std::atomic<std::int64_t> told_activity{-1};
+  std::atomic<std::int64_t> activity{0};      // grows with each handled message
+  std::vector<std::shared_ptr<void>> tokens;  // last: destroyed first
+};
+
+}  // namespace fusion_slam

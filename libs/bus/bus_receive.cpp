@@ -1,0 +1,187 @@
+// The reader's side of the Bus: guard, queues, repair of losses, STATUS.
+#include <chrono>
+#include <exception>
+#include <iostream>
+#include <utility>
+
+#include "libs/bus/bus_internal.hpp"
+#include "libs/schema/guard.hpp"
+
+namespace fusion_slam {
+namespace {
+
+constexpr std::int64_t kStatusPeriod_us = 1'000'000;
+constexpr std::int64_t kBusyStatusPeriod_us = 4'000;  // throughput: a replay waits for our counts
+constexpr std::int64_t kIndexPeriod_us = 500'000;
+constexpr std::int64_t kGapAge_us = 15'000;  // reordering on a network is over by then
+constexpr std::int64_t kRequestPeriod_us = 40'000;
+constexpr std::int64_t kGiveUp_us = 2'000'000;
+constexpr std::size_t kMostRequested = 1000;
+constexpr std::size_t kAnswerBytes =
+    256 << 10;  // per idle call: a burst must fit the asker's socket buffer
+
+}  // namespace
+
+std::int64_t now_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+std::int64_t wall_utime_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+bool Bus::Impl::passes_guard(const std::string& channel, const LcmType& type,
+                             const std::uint8_t* bytes, std::size_t size) {
+  const auto reason = check(type, bytes, size);
+  if (!reason) return true;
+  report("channel " + channel + ": message of " + std::to_string(size) +
+         " bytes rejected: " + *reason);
+  return false;
+}
+
+void Bus::Impl::decode_safely(const std::string& channel, const Decode& decode,
+                              const std::uint8_t* bytes, std::size_t size) {
+  try {
+    decode(bytes, size);
+  } catch (const std::exception& error) {
+    report("channel " + channel + ": " + error.what());
+  }
+}
+
+void Bus::Impl::receive(std::size_t index, const std::uint8_t* bytes, std::size_t size) {
+  const LcmType* type = nullptr;
+  std::string name;
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    type = handlers[index].type;
+    name = inbox.channels()[index].name;
+  }
+  if (!passes_guard(name, *type, bytes, size)) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++inbox.channels()[index].counters.rejected;
+    return;
+  }
+  InboxItem item;
+  item.channel = index;
+  item.utime_us = type->starts_with_utime ? peek_utime(bytes, size).value_or(0) : 0;
+  item.seq = type->continues_with_seq ? peek_seq(bytes, size).value_or(0) : 0;
+  item.arrival_us = now_us();
+  item.bytes.assign(bytes, bytes + size);
+  std::unique_lock<std::mutex> lock(mutex);
+  if (type->continues_with_seq && item.seq < 1) {
+    ++inbox.channels()[index].counters.rejected;
+    return;
+  }
+  // A log file has no clock of its own: wait for the handlers.
+  while (transport->url().rfind("file://", 0) == 0 && inbox.waiting() > 256 && !stopping)
+    changed.wait_for(lock, std::chrono::milliseconds(20));
+  inbox.push(std::move(item));
+  changed.notify_all();
+}
+
+void Bus::Impl::on_resend(const resend_t& request) {
+  const std::lock_guard<std::mutex> lock(out_mutex);
+  for (auto& bytes : outbox.answer(request))
+    to_resend.emplace_back(request.channel, std::move(bytes));
+}
+
+void Bus::Impl::on_step(const step_t& step) {
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (step.step <= step_done || (!steps.empty() && step.step <= steps.back().step)) return;
+  const std::int64_t now = now_us();
+  for (std::size_t i = 0; i < step.channels.size(); ++i)
+    inbox.expect(step.channels[i], step.counts[i], now);
+  steps.push_back(step);
+  changed.notify_all();
+}
+
+void Bus::Impl::on_peer_status(const status_t& peer) {
+  if (peer.process == options.process) return;
+  const std::lock_guard<std::mutex> lock(mutex);
+  const std::int64_t now = now_us();
+  for (const auto& theirs : peer.channels) {
+    if (theirs.published == 0) continue;
+    for (auto& mine : inbox.channels()) {
+      if (mine.name != theirs.channel) continue;
+      if (mine.has_seq || options.mode != Mode::kLive) {
+        inbox.expect(mine.name, theirs.published, now);
+        continue;
+      }
+      // What it had sent a second ago should be here by now.
+      Peer& known = peers[peer.process + "/" + mine.name];
+      if (known.pid != peer.pid)
+        known = {peer.pid, theirs.published - mine.counters.received, theirs.published};
+      const std::int64_t lost = known.published - known.base - mine.counters.received;
+      mine.counters.lost = std::max(mine.counters.lost, lost);
+      known.published = theirs.published;
+    }
+  }
+}
+
+void Bus::Impl::request_missing(std::int64_t now) {
+  std::vector<resend_t> requests;
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (std::size_t i = 0; i < inbox.channels().size(); ++i) {
+      auto& channel = inbox.channels()[i];
+      const bool repair = channel.policy == Policy::kKeepAll;
+      if (options.mode == Mode::kLive)
+        channel.counters.lost += static_cast<std::int64_t>(
+            channel.sequence.give_up(now, repair ? kGiveUp_us : kGapAge_us));
+      if (!repair || now - requested_us[i] < kRequestPeriod_us) continue;
+      resend_t request{};
+      request.seqs = inbox.missing(i, now, kGapAge_us, kMostRequested);
+      if (request.seqs.empty()) continue;
+      requested_us[i] = now;
+      request.channel = channel.name;
+      request.n_seqs = static_cast<std::int32_t>(request.seqs.size());
+      requests.push_back(std::move(request));
+    }
+  }
+  for (resend_t& request : requests) {
+    const std::lock_guard<std::mutex> lock(out_mutex);
+    request.utime = wall_utime_us();
+    request.requester = options.process;
+    request.seq = outbox.next_seq("RESEND");
+    const auto bytes = bus_detail::encode(request);
+    outbox.sent("RESEND", bytes);
+    transport->publish("RESEND", bytes);
+  }
+}
+
+void Bus::Impl::answer_requests() {
+  const std::lock_guard<std::mutex> lock(out_mutex);
+  std::size_t sent = 0;
+  while (!to_resend.empty() && sent < kAnswerBytes) {
+    transport->publish(to_resend.front().first, to_resend.front().second);
+    sent += to_resend.front().second.size();
+    to_resend.pop_front();
+  }
+}
+
+void Bus::Impl::idle() {
+  const std::int64_t now = now_us();
+  request_missing(now);
+  answer_requests();
+  if (!running) return;
+  const bool busy = options.mode == Mode::kThroughput && told_activity != activity &&
+                    now - last_status_us >= kBusyStatusPeriod_us;
+  if (busy || now - last_status_us >= kStatusPeriod_us) send_status();
+  if (now - last_index_us < kIndexPeriod_us) return;
+  last_index_us = now;
+  const std::lock_guard<std::mutex> lock(out_mutex);
+  for (tile_index_t& index : outbox.indexes()) {
+    const std::string channel = index.channel + "_INDEX";
+    index.utime = wall_utime_us();
+    index.seq = outbox.next_seq(channel);
+    const auto bytes = bus_detail::encode(index);
+    outbox.sent(channel, bytes);
+    transport->publish(channel, bytes);
+  }
+}
+
+}  // namespace fusion_slam

@@ -1,0 +1,94 @@
+#include "libs/bus/outbox.hpp"
+
+namespace fusion_slam {
+namespace {
+
+// Enough for the gaps that a burst loses; what is older is asked for as tiles or found in the
+// journal.
+constexpr std::size_t kRecentMessages = 4096;
+constexpr std::size_t kRecentBytes = 16 << 20;
+constexpr std::int32_t kIndexEntries = 1500;  // 28 bytes each: below 60 KB
+
+}  // namespace
+
+std::int64_t Outbox::next_seq(const std::string& channel) const {
+  const auto it = channels_.find(channel);
+  return it == channels_.end() ? 1 : it->second.count + 1;
+}
+
+void Outbox::sent(const std::string& name, const Bytes& bytes) {
+  Channel& channel = channels_[name];
+  ++channel.count;
+  channel.bytes += static_cast<std::int64_t>(bytes.size());
+  channel.recent.push_back(bytes);
+  channel.recent_bytes += bytes.size();
+  while (channel.recent.size() > kRecentMessages ||
+         (channel.recent_bytes > kRecentBytes && channel.recent.size() > 1)) {
+    channel.recent_bytes -= channel.recent.front().size();
+    channel.recent.pop_front();
+  }
+}
+
+void Outbox::sent_tile(const std::string& channel, const TileKey& key, std::int64_t revision,
+                       const Bytes& bytes) {
+  sent(channel, bytes);
+  channels_[channel].tiles[key] = {revision, bytes};
+}
+
+std::vector<Outbox::Bytes> Outbox::answer(const resend_t& request) const {
+  std::vector<Bytes> result;
+  const auto it = channels_.find(request.channel);
+  if (it == channels_.end()) return result;
+  const Channel& channel = it->second;
+  const std::int64_t oldest = channel.count - static_cast<std::int64_t>(channel.recent.size()) + 1;
+  for (const std::int64_t seq : request.seqs)
+    if (seq >= oldest && seq <= channel.count)
+      result.push_back(channel.recent[static_cast<std::size_t>(seq - oldest)]);
+  for (std::size_t i = 0; i < request.submap_id.size(); ++i) {
+    const auto tile =
+        channel.tiles.find({request.submap_id[i], request.x[i], request.y[i], request.z[i]});
+    if (tile != channel.tiles.end()) result.push_back(tile->second.bytes);
+  }
+  return result;
+}
+
+std::vector<tile_index_t> Outbox::indexes() const {
+  std::vector<tile_index_t> result;
+  for (const auto& [name, channel] : channels_) {
+    if (channel.tiles.empty()) continue;
+    const std::size_t first = result.size();
+    for (const auto& [key, tile] : channel.tiles) {
+      if (result.size() == first || result.back().n == kIndexEntries) {
+        result.emplace_back();
+        result.back().utime = 0;
+        result.back().seq = 0;
+        result.back().channel = name;
+        result.back().part = static_cast<std::int32_t>(result.size() - first - 1);
+        result.back().n = 0;
+      }
+      tile_index_t& index = result.back();
+      ++index.n;
+      index.submap_id.push_back(key.submap_id);
+      index.x.push_back(key.x);
+      index.y.push_back(key.y);
+      index.z.push_back(key.z);
+      index.revision.push_back(tile.revision);
+    }
+    for (std::size_t i = first; i < result.size(); ++i)
+      result[i].n_parts = static_cast<std::int32_t>(result.size() - first);
+  }
+  return result;
+}
+
+std::map<std::string, std::int64_t> Outbox::counts() const {
+  std::map<std::string, std::int64_t> result;
+  for (const auto& [name, channel] : channels_) result[name] = channel.count;
+  return result;
+}
+
+std::int64_t Outbox::bytes(const std::string& channel) const {
+  const auto it = channels_.find(channel);
+  return it == channels_.end() ? 0 : it->second.bytes;
+}
+
+}  // namespace fusion_slam

@@ -1,0 +1,54 @@
+// What a process has sent, kept so that it can be sent again: the latest messages of each channel
+// (by number) and the newest tile of each key. Pure data structure; not thread-safe (the Bus locks
+// around it).
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "fusion_slam/resend_t.hpp"
+#include "fusion_slam/tile_index_t.hpp"
+#include "libs/tiles/tile.hpp"
+
+namespace fusion_slam {
+
+class Outbox {
+ public:
+  using Bytes = std::vector<std::uint8_t>;
+
+  std::int64_t next_seq(
+      const std::string& channel) const;  // what the next message will be numbered
+
+  // Records that message number next_seq() was sent.
+  void sent(const std::string& channel, const Bytes& bytes);
+  void sent_tile(const std::string& channel, const TileKey& key, std::int64_t revision,
+                 const Bytes& bytes);
+
+  // What a request asks for and is still here.
+  std::vector<Bytes> answer(const resend_t& request) const;
+
+  // The full list of tiles of each channel that has any, in parts that fit a datagram.
+  std::vector<tile_index_t> indexes() const;
+
+  std::map<std::string, std::int64_t> counts() const;  // messages sent by channel
+  std::int64_t bytes(const std::string& channel) const;
+
+ private:
+  struct StoredTile {
+    std::int64_t revision = 0;
+    Bytes bytes;
+  };
+  struct Channel {
+    std::int64_t count = 0;
+    std::int64_t bytes = 0;
+    std::deque<Bytes> recent;  // the last of them has number `count`
+    std::size_t recent_bytes = 0;
+    std::map<TileKey, StoredTile> tiles;
+  };
+  std::map<std::string, Channel> channels_;
+};
+
+}  // namespace fusion_slam

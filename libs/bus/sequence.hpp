@@ -1,0 +1,47 @@
+// Which sequence numbers of a channel have arrived. Pure bookkeeping: no clock, no network. Not
+// thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <vector>
+
+namespace fusion_slam {
+
+class SequenceTracker {
+ public:
+  enum class Seen { kNew, kDuplicate };
+
+  // from_start: the stream is known to begin at 1 (replay), so 1 is missing until it arrives.
+  // Otherwise the first number that arrives is where this listener joined, and nothing before it is
+  // missing.
+  explicit SequenceTracker(bool from_start) : joined_(from_start), floor_(1) {}
+
+  // A message with number seq (>= 1), measured at utime_us, arrived at now_us (any monotonic
+  // clock). A publisher that starts again at 1 with a newer measurement begins a new stream.
+  Seen see(std::int64_t seq, std::int64_t utime_us, std::int64_t now_us);
+
+  // The publisher has sent `count` messages: those not seen are missing from now on.
+  void expect(std::int64_t count, std::int64_t now_us);
+
+  // Missing numbers whose gap is at least min_age_us old, lowest first, at most `most`.
+  std::vector<std::int64_t> missing(std::int64_t now_us, std::int64_t min_age_us,
+                                    std::size_t most) const;
+  // Stops waiting for numbers missing for longer than max_age_us and says how many.
+  std::size_t give_up(std::int64_t now_us, std::int64_t max_age_us);
+  std::size_t missing_count() const { return missing_.size(); }
+
+  std::int64_t highest() const { return highest_; }
+
+ private:
+  bool joined_;
+  std::int64_t floor_;        // first number of this listener's stream
+  std::int64_t highest_ = 0;  // newest seen or expected
+  std::int64_t newest_utime_us_ = 0;
+  std::map<std::int64_t, std::int64_t> missing_;  // number -> when the gap was noticed
+  std::set<std::int64_t> before_floor_;           // re-sent to this late listener
+};
+
+}  // namespace fusion_slam

@@ -1,0 +1,115 @@
+#include "libs/bus/inbox.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace fusion_slam {
+namespace {
+
+InboxItem item(std::size_t channel, std::int64_t utime, std::int64_t seq,
+               std::int64_t arrival = 0) {
+  return {channel,
+          utime,
+          seq,
+          arrival,
+          {static_cast<std::uint8_t>(utime), static_cast<std::uint8_t>(seq)}};
+}
+
+TEST(Inbox, LatestOnlyKeepsTheNewestAndCountsTheRest) {
+  Inbox inbox(Mode::kLive, 10, 0);
+  const auto camera = inbox.add_channel("CAMERA", Policy::kLatestOnly, false);
+  for (int i = 1; i <= 5; ++i) inbox.push(item(camera, i, 0));
+  const auto newest = inbox.pop(1000);
+  ASSERT_TRUE(newest);
+  EXPECT_EQ(newest->utime_us, 5);
+  EXPECT_EQ(inbox.channels()[camera].counters.dropped, 4);
+  EXPECT_FALSE(inbox.pop(1000));
+}
+
+TEST(Inbox, OfflineNothingIsDropped) {
+  Inbox inbox(Mode::kThroughput, 2, 0);
+  const auto camera = inbox.add_channel("CAMERA", Policy::kLatestOnly, false);
+  for (int i = 1; i <= 5; ++i) inbox.push(item(camera, i, 0));
+  EXPECT_EQ(inbox.waiting(), 5U);
+}
+
+TEST(Inbox, KeepAllIsBoundedLiveAndDropsTheOldest) {
+  Inbox inbox(Mode::kLive, 3, 0);
+  const auto channel = inbox.add_channel("KEYFRAME", Policy::kKeepAll, true);
+  for (int i = 1; i <= 5; ++i) inbox.push(item(channel, i, i));
+  EXPECT_EQ(inbox.channels()[channel].counters.dropped, 2);
+  EXPECT_EQ(inbox.pop(1)->utime_us, 3);
+}
+
+TEST(Inbox, MergesByMeasurementTimeWithABoundedWait) {
+  Inbox inbox(Mode::kLive, 10, 30);
+  const auto a = inbox.add_channel("A", Policy::kKeepAll, true);
+  const auto b = inbox.add_channel("B", Policy::kKeepAll, true);
+  inbox.push(item(b, 5, 1, 100));
+  EXPECT_TRUE(inbox.pop(101)) << "nobody else speaks";
+  inbox.push(item(a, 10, 1, 102));
+  EXPECT_FALSE(inbox.pop(103)) << "b is at 5 and may still bring something older than 10";
+  inbox.push(item(b, 7, 2, 104));
+  EXPECT_EQ(inbox.pop(105)->utime_us, 7);
+  EXPECT_FALSE(inbox.pop(110));
+  EXPECT_EQ(inbox.pop(140)->utime_us, 10) << "waited long enough";
+  inbox.push(item(b, 8, 3, 141));
+  EXPECT_EQ(inbox.pop(200)->utime_us, 8);
+  EXPECT_EQ(inbox.channels()[b].counters.late, 1);
+}
+
+TEST(Inbox, LockstepTakesCanonicalOrderWhateverTheArrival) {
+  std::vector<InboxItem> arrivals;
+  for (int i = 1; i <= 6; ++i) arrivals.push_back(item(0, 10 * (i / 2), i));
+  for (int i = 1; i <= 4; ++i) arrivals.push_back(item(1, 10 * i, i));
+  std::mt19937 rng(3);
+  std::vector<std::pair<std::size_t, std::int64_t>> expected;
+  for (int round = 0; round < 50; ++round) {
+    std::shuffle(arrivals.begin(), arrivals.end(), rng);
+    Inbox inbox(Mode::kLockstep, 10, 0);
+    inbox.add_channel("A", Policy::kKeepAll, true);
+    inbox.add_channel("B", Policy::kLatestOnly, true);
+    const std::map<std::string, std::int64_t> counts{{"A", 5}, {"B", 3}};
+    EXPECT_FALSE(inbox.complete(counts));
+    for (const auto& arrival : arrivals) inbox.push(arrival);
+    EXPECT_TRUE(inbox.complete(counts));
+    std::vector<std::pair<std::size_t, std::int64_t>> order;
+    for (const auto& taken : inbox.take(counts)) {
+      order.emplace_back(taken.channel, taken.seq);
+      inbox.processed(taken);
+    }
+    EXPECT_EQ(order.size(), 8U);
+    EXPECT_FALSE(inbox.has_work(counts));
+    EXPECT_EQ(inbox.waiting(), 2U) << "what belongs to the next step stays";
+    if (round == 0) expected = order;
+    EXPECT_EQ(order, expected);
+  }
+}
+
+TEST(Inbox, LockstepIsNotCompleteWhileANumberIsMissing) {
+  Inbox inbox(Mode::kLockstep, 10, 0);
+  const auto a = inbox.add_channel("A", Policy::kKeepAll, true);
+  inbox.push(item(a, 1, 1));
+  inbox.push(item(a, 3, 3));
+  EXPECT_FALSE(inbox.complete({{"A", 2}})) << "two arrived, but not the second";
+  EXPECT_EQ(inbox.missing(a, 1000, 0, 10), (std::vector<std::int64_t>{2}));
+  inbox.push(item(a, 2, 2));
+  EXPECT_TRUE(inbox.complete({{"A", 2}}));
+  EXPECT_EQ(inbox.take({{"A", 2}}).size(), 2U);
+}
+
+TEST(Inbox, RepeatsOfMessagesWithoutNumberAreDuplicatesInAReplay) {
+  Inbox inbox(Mode::kLockstep, 10, 0);
+  const auto camera = inbox.add_channel("CAMERA", Policy::kKeepAll, false);
+  inbox.expect("CAMERA", 2, 0);
+  EXPECT_EQ(inbox.missing(camera, 100, 50, 10), (std::vector<std::int64_t>{1, 2}));
+  EXPECT_TRUE(inbox.push(item(camera, 1, 0)));
+  EXPECT_FALSE(inbox.push(item(camera, 1, 0)));
+  EXPECT_EQ(inbox.channels()[camera].counters.duplicated, 1);
+  EXPECT_EQ(inbox.missing(camera, 100, 50, 10), (std::vector<std::int64_t>{2}));
+}
+
+}  // namespace
+}  // namespace fusion_slam

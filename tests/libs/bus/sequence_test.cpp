@@ -1,0 +1,73 @@
+#include "libs/bus/sequence.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace fusion_slam {
+namespace {
+
+using Seen = SequenceTracker::Seen;
+
+TEST(Sequence, GapsAreMissingUntilTheyArrive) {
+  SequenceTracker tracker(true);
+  EXPECT_EQ(tracker.see(1, 10, 0), Seen::kNew);
+  EXPECT_EQ(tracker.see(4, 40, 100), Seen::kNew);
+  EXPECT_EQ(tracker.missing(100, 0, 10), (std::vector<std::int64_t>{2, 3}));
+  EXPECT_TRUE(tracker.missing(100, 50, 10).empty());
+  EXPECT_EQ(tracker.see(3, 30, 110), Seen::kNew);
+  EXPECT_EQ(tracker.see(3, 30, 120), Seen::kDuplicate);
+  EXPECT_EQ(tracker.missing(200, 50, 10), (std::vector<std::int64_t>{2}));
+  EXPECT_EQ(tracker.give_up(200, 50), 1U);
+  EXPECT_EQ(tracker.missing_count(), 0U);
+}
+
+TEST(Sequence, AReplayKnowsItsBeginningAndItsEnd) {
+  SequenceTracker tracker(true);
+  EXPECT_EQ(tracker.see(3, 1, 0), Seen::kNew);
+  tracker.expect(4, 0);
+  EXPECT_EQ(tracker.missing(0, 0, 10), (std::vector<std::int64_t>{1, 2, 4}));
+}
+
+TEST(Sequence, ALateListenerMissesNothingBeforeItJoinedButTakesIt) {
+  SequenceTracker tracker(false);
+  tracker.expect(100, 0);
+  EXPECT_EQ(tracker.missing_count(), 0U);
+  EXPECT_EQ(tracker.see(50, 1, 0), Seen::kNew);
+  EXPECT_EQ(tracker.missing_count(), 0U);
+  EXPECT_EQ(tracker.see(7, 1, 0), Seen::kNew);
+  EXPECT_EQ(tracker.see(7, 1, 0), Seen::kDuplicate);
+}
+
+TEST(Sequence, APublisherThatStartsAgainIsANewStream) {
+  SequenceTracker tracker(true);
+  for (int i = 1; i <= 5; ++i) tracker.see(i, i, 0);
+  EXPECT_EQ(tracker.see(1, 1, 0), Seen::kDuplicate);
+  EXPECT_EQ(tracker.see(1, 6, 0), Seen::kNew);
+  EXPECT_EQ(tracker.see(2, 7, 0), Seen::kNew);
+}
+
+TEST(Sequence, AForgedNumberCostsBoundedMemory) {
+  SequenceTracker tracker(true);
+  tracker.see(1, 1, 0);
+  tracker.see(INT64_MAX - 1, 2, 0);
+  EXPECT_LE(tracker.missing_count(), 100'001U);
+}
+
+TEST(Sequence, AnyOrderWithRepeatsEndsWhole) {
+  std::mt19937 rng(7);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<std::int64_t> order;
+    for (std::int64_t i = 1; i <= 200; ++i) order.insert(order.end(), {i, i});
+    std::shuffle(order.begin(), order.end(), rng);
+    SequenceTracker tracker(true);
+    int fresh = 0;
+    for (const auto seq : order) fresh += tracker.see(seq, 0, 0) == Seen::kNew ? 1 : 0;
+    EXPECT_EQ(fresh, 200);
+    EXPECT_EQ(tracker.missing_count(), 0U);
+  }
+}
+
+}  // namespace
+}  // namespace fusion_slam
