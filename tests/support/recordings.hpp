@@ -17,12 +17,12 @@ inline std::filesystem::path recordings_root() {
 
 }  // namespace fusion_slam
 
-// Declares `path`; skips the test when that recording is missing, fails it under CI.
-#define FS_RECORDING(path, name)                                              \
-  const std::filesystem::path path = fusion_slam::recordings_root() / (name); \
-  if (!std::filesystem::exists(path)) {                                       \
-    const char* ci = std::getenv("CI");                                       \
-    if (ci != nullptr && std::string(ci) == "true")                           \
-      FAIL() << "recording " << (name) << " not found";                       \
-    GTEST_SKIP() << "skipped: recording " << (name) << " not found";          \
+// Declares `variable`; skips the test when that recording is missing, fails it under CI.
+#define FS_RECORDING(variable, name)                                              \
+  const std::filesystem::path variable = fusion_slam::recordings_root() / (name); \
+  if (!std::filesystem::exists(variable)) {                                       \
+    const char* ci = std::getenv("CI");                                           \
+    if (ci != nullptr && std::string(ci) == "true")                               \
+      FAIL() << "recording " << (name) << " not found";                           \
+    GTEST_SKIP() << "skipped: recording " << (name) << " not found";              \
   }
