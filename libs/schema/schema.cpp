@@ -62,7 +62,7 @@ std::size_t size_bytes(LcmPrimitive primitive) {
   return 0;
 }
 
-Schema::Schema(const std::vector<std::pair<std::string, std::string>>& files) {
+Schema::Schema(const LcmFiles& files) {
   for (const auto& [file, text] : files) {
     for (LcmType& type : parse_lcm(file, text)) {
       const std::string name = type.name;

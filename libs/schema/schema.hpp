@@ -63,11 +63,14 @@ struct LcmType {
   bool continues_with_seq = false;  // and the second is `int64_t seq`
 };
 
+// (file name, text) of .lcm files.
+using LcmFiles = std::vector<std::pair<std::string, std::string>>;
+
 class Schema {
  public:
-  // From (file name, text) of .lcm files in any order. Throws std::runtime_error "file:line: what
+  // From files in any order. Throws std::runtime_error "file:line: what
   // is wrong".
-  explicit Schema(const std::vector<std::pair<std::string, std::string>>& files);
+  explicit Schema(const LcmFiles& files);
   Schema(const Schema&) = delete;
   Schema& operator=(const Schema&) = delete;
 
