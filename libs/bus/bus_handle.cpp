@@ -189,7 +189,7 @@ status_t Bus::Impl::status() const {
 void Bus::Impl::send_status() {
   const std::lock_guard<std::mutex> one_at_a_time(status_mutex);  // so that counts never go back
   last_status_us = now_us();
-  told_activity = activity;
+  told_activity = activity.load();
   status_t s = status();
   const std::lock_guard<std::mutex> lock(out_mutex);
   s.seq = outbox.next_seq("STATUS");

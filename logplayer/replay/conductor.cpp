@@ -1,0 +1,260 @@
+#include "logplayer/replay/conductor.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+#include <thread>
+
+#include "fusion_slam/command_t.hpp"
+#include "fusion_slam/step_t.hpp"
+#include "libs/schema/guard.hpp"
+
+namespace fusion_slam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kPollPeriod = std::chrono::milliseconds(50);
+constexpr auto kStepRepeat = std::chrono::milliseconds(200);  // a lost STEP is sent again
+constexpr std::size_t kRepeatMemory = 64;  // as the receivers' (libs/bus/inbox.cpp)
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+// Channels that keep the network running and wait for nobody.
+bool is_control_channel(const std::string& channel) {
+  return channel == "STATUS" || channel == "STEP" || channel == "RESEND" ||
+         ends_with(channel, "_INDEX");
+}
+
+// A log may begin anywhere: its messages get this run's own numbers.
+std::vector<std::uint8_t> renumbered(const LogEvent& event, std::int64_t seq) {
+  std::vector<std::uint8_t> bytes = event.data;
+  if (!peek_seq(bytes.data(), bytes.size())) return bytes;
+  for (std::size_t i = 0; i < 8; ++i)
+    bytes[16 + i] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(seq) >> (56 - 8 * i));
+  return bytes;
+}
+
+}  // namespace
+
+bool is_sensor_channel(const std::string& channel) {
+  static const std::set<std::string> kSensors{"CAMERA",      "CAMERA_MODEL", "LIDAR",
+                                              "ROBOT_MODEL", "ODOMETRY",     "GROUND_TRUTH"};
+  return kSensors.count(channel) > 0;
+}
+
+struct Conductor::Peers {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::map<std::string, status_t> last;
+
+  void hear(const status_t& status) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    status_t& known = last[status.process];
+    if (known.pid == status.pid && status.seq < known.seq) return;  // overtaken on the network
+    known = status;
+    changed.notify_all();
+  }
+};
+
+Conductor::Conductor(Bus& bus, ConductorOptions options, std::function<void()> poll)
+    : bus_(bus),
+      options_(std::move(options)),
+      poll_(std::move(poll)),
+      shared_(std::make_shared<Peers>()) {
+  bus_.listen<status_t>("STATUS", [peers = shared_, names = options_.processes](const status_t& m) {
+    if (std::find(names.begin(), names.end(), m.process) != names.end()) peers->hear(m);
+  });
+}
+
+bool Conductor::wait(const std::function<bool()>& ready, const std::string& what) {
+  auto last_change = Clock::now();
+  std::string last_state;
+  std::unique_lock<std::mutex> lock(shared_->mutex);
+  while (!ready()) {
+    const bool told = shared_->changed.wait_for(lock, kPollPeriod) == std::cv_status::no_timeout;
+    if (told && ready()) break;
+    lock.unlock();
+    poll_();
+    lock.lock();
+    std::string state = who_lags();
+    if (state != last_state) {
+      last_state = std::move(state);
+      last_change = Clock::now();
+    } else if (Clock::now() - last_change > std::chrono::seconds(options_.stall_timeout_s)) {
+      throw std::runtime_error(what + ": no progress for " +
+                               std::to_string(options_.stall_timeout_s) + " s; waiting for " +
+                               last_state);
+    }
+  }
+  return true;
+}
+
+void Conductor::wait_for_processes(int timeout_s) {
+  const auto deadline = Clock::now() + std::chrono::seconds(timeout_s);
+  std::unique_lock<std::mutex> lock(shared_->mutex);
+  for (;;) {
+    std::string absent;
+    for (const std::string& name : options_.processes) {
+      const auto peer = shared_->last.find(name);
+      if (peer == shared_->last.end() || peer->second.state != status_t::RUNNING)
+        absent += " " + name;
+    }
+    if (absent.empty()) return;
+    if (Clock::now() > deadline)
+      throw std::runtime_error("not ready within " + std::to_string(timeout_s) + " s:" + absent +
+                               ". If they run, their messages don't arrive: `fusion-slam doctor` "
+                               "tells why");
+    shared_->changed.wait_for(lock, kPollPeriod);
+    lock.unlock();
+    poll_();
+    lock.lock();
+  }
+}
+
+Conductor::Counts Conductor::counts_locked() const {
+  Counts counts = bus_.published();
+  for (const auto& [name, peer] : shared_->last)
+    for (const auto& channel : peer.channels) counts[channel.channel] += channel.published;
+  for (auto it = counts.begin(); it != counts.end();)
+    it = is_control_channel(it->first) ? counts.erase(it) : std::next(it);
+  return counts;
+}
+
+Conductor::Counts Conductor::counts() const {
+  const std::lock_guard<std::mutex> lock(shared_->mutex);
+  return counts_locked();
+}
+
+std::map<std::string, status_t> Conductor::peers() const {
+  const std::lock_guard<std::mutex> lock(shared_->mutex);
+  return shared_->last;
+}
+
+std::int64_t Conductor::backlog(const status_t& peer, const Counts& counts) {
+  std::int64_t sum = 0;
+  for (const auto& channel : peer.channels) {
+    const auto sent = counts.find(channel.channel);
+    if (channel.subscribed != 0 && sent != counts.end())
+      sum += std::max<std::int64_t>(0, sent->second - channel.processed);
+  }
+  return sum;
+}
+
+std::string Conductor::who_lags() const {
+  std::string text;
+  const Counts counts = counts_locked();
+  for (const auto& [name, peer] : shared_->last)
+    for (const auto& channel : peer.channels) {
+      const auto sent = counts.find(channel.channel);
+      if (channel.subscribed == 0 || sent == counts.end() || sent->second <= channel.processed)
+        continue;
+      text += (text.empty() ? "" : ", ") + name + " (" + channel.channel + ": " +
+              std::to_string(channel.processed) + " of " + std::to_string(sent->second) +
+              " handled, " + std::to_string(channel.received) + " received)";
+    }
+  return text.empty() ? "nobody" : text;
+}
+
+void Conductor::step_until_quiet() {
+  for (;;) {
+    step_t message{};
+    std::set<std::string> busy;
+    {
+      const std::lock_guard<std::mutex> lock(shared_->mutex);
+      const Counts counts = counts_locked();
+      for (const auto& [name, peer] : shared_->last)
+        if (backlog(peer, counts) > 0) busy.insert(name);
+      for (const auto& [channel, count] : counts) {
+        message.channels.push_back(channel);
+        message.counts.push_back(count);
+      }
+    }
+    if (busy.empty()) return;
+    message.n_channels = static_cast<std::int32_t>(message.channels.size());
+    message.step = ++step_;
+    bus_.publish("STEP", message);
+    auto sent = Clock::now();
+    const auto answered = [&] {
+      for (const std::string& name : busy)
+        if (shared_->last[name].step < step_) {
+          if (Clock::now() - sent > kStepRepeat) {
+            bus_.publish("STEP", message);
+            sent = Clock::now();
+          }
+          return false;
+        }
+      return true;
+    };
+    wait(answered, "step " + std::to_string(step_));
+  }
+}
+
+bool Conductor::is_repeat(const LogEvent& event) {
+  if (peek_seq(event.data.data(), event.data.size())) return false;
+  const std::size_t hash = std::hash<std::string_view>()(
+      {reinterpret_cast<const char*>(event.data.data()), event.data.size()});
+  auto& recent = recent_[event.channel];
+  if (std::find(recent.begin(), recent.end(), hash) != recent.end()) return true;
+  recent.push_back(hash);
+  if (recent.size() > kRepeatMemory) recent.pop_front();
+  return false;
+}
+
+bool Conductor::play(const LogEvent& event) {
+  if (is_repeat(event)) return false;
+  const auto published = bus_.published();
+  const auto mine = published.find(event.channel);
+  bus_.publish_bytes(event.channel,
+                     renumbered(event, mine == published.end() ? 1 : mine->second + 1));
+  poll_();
+  if (options_.mode == Mode::kLockstep) {
+    step_until_quiet();
+  } else {
+    wait(
+        [this] {
+          const Counts counts = counts_locked();
+          return std::all_of(shared_->last.begin(), shared_->last.end(), [&](const auto& peer) {
+            return backlog(peer.second, counts) <= options_.most_in_flight;
+          });
+        },
+        "replay");
+  }
+  return true;
+}
+
+void Conductor::command(const std::string& verb, std::int64_t utime_us) {
+  command_t message{};
+  message.utime = utime_us;
+  message.verb = verb;
+  bus_.publish("COMMAND", message);
+  settle();
+}
+
+void Conductor::settle() {
+  if (options_.mode == Mode::kLockstep) return step_until_quiet();
+  // A process may be about to publish: quiet is when two looks, a status apart, see the same counts
+  // and no backlog.
+  Counts before;
+  for (;;) {
+    wait(
+        [this] {
+          const Counts counts = counts_locked();
+          return std::all_of(shared_->last.begin(), shared_->last.end(),
+                             [&](const auto& peer) { return backlog(peer.second, counts) == 0; });
+        },
+        "settle");
+    const Counts now = counts();
+    if (now == before) return;
+    before = now;
+    std::this_thread::sleep_for(kPollPeriod);
+  }
+}
+
+}  // namespace fusion_slam

@@ -1,0 +1,78 @@
+// Plays sensor events to the processes of a run and knows when they have digested them.
+//
+// Lockstep, after an event: every process handles in one step the messages that the step before
+// brought forth (bulk synchronous processing, Valiant 1990), in canonical order, until no message
+// is unhandled. What a process sees therefore depends on the log alone, not on the network's or the
+// scheduler's timing. Throughput: a bounded number of messages is in flight.
+//
+// All methods from one thread.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libs/bus/bus.hpp"
+#include "libs/eventlog/event.hpp"
+
+namespace fusion_slam {
+
+struct ConductorOptions {
+  Mode mode = Mode::kLockstep;         // or kThroughput
+  std::vector<std::string> processes;  // names in STATUS of those who must digest everything
+  int most_in_flight = 24;             // throughput: unhandled messages a process may have
+  int stall_timeout_s = 120;           // no progress at all for this long is an error
+};
+
+class Conductor {
+ public:
+  // `poll` is called at least every 50 ms while waiting; it throws to end the wait (a process died,
+  // Ctrl-C).
+  Conductor(Bus& bus, ConductorOptions options, std::function<void()> poll);
+
+  // Returns when every process has said that it runs. Throws std::runtime_error naming those that
+  // don't within timeout_s.
+  void wait_for_processes(int timeout_s);
+
+  // Sends one event of a log. Lockstep: returns when all is quiet again. Throughput: returns when
+  // there is room for the next. An exact repeat of a recent message of the same channel is skipped
+  // (returns false): receivers could not tell it from a re-send.
+  bool play(const LogEvent& event);
+
+  // Sends COMMAND `verb` to all and returns when all is quiet.
+  void command(const std::string& verb, std::int64_t utime_us);
+
+  // Returns when every message sent so far by anybody is handled.
+  void settle();
+
+  std::map<std::string, status_t> peers() const;  // what each process said last
+  // Messages sent on each channel so far, by all.
+  std::map<std::string, std::int64_t> counts() const;
+
+ private:
+  using Counts = std::map<std::string, std::int64_t>;
+  bool wait(const std::function<bool()>& ready, const std::string& what);
+  Counts counts_locked() const;
+  static std::int64_t backlog(const status_t& peer, const Counts& counts);
+  std::string who_lags() const;
+  void step_until_quiet();
+  bool is_repeat(const LogEvent& event);
+
+  Bus& bus_;
+  ConductorOptions options_;
+  std::function<void()> poll_;
+  std::int64_t step_ = 0;
+  std::map<std::string, std::deque<std::size_t>> recent_;
+
+  struct Peers;  // shared with the bus's listener, which may outlive this object
+  std::shared_ptr<Peers> shared_;
+};
+
+// Channels of a log that are a sensor's: what a replay plays, whatever else the log holds.
+bool is_sensor_channel(const std::string& channel);
+
+}  // namespace fusion_slam

@@ -1,0 +1,146 @@
+// A small pipeline over memq: source -> (double, triple) -> join. What join sees must depend on the
+// log alone.
+#include "logplayer/replay/conductor.hpp"
+
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "bot_core/pose_t.hpp"
+#include "fusion_slam/pose_estimate_t.hpp"
+#include "libs/bus/transport.hpp"
+
+namespace fusion_slam {
+namespace {
+
+BusOptions named(const std::string& process, Mode mode) {
+  BusOptions options;
+  options.process = process;
+  options.mode = mode;
+  return options;
+}
+
+// Passes ODOMETRY on to `out`, `copies` times, after an unpredictable time.
+class Relay {
+ public:
+  Relay(Bus& bus, const std::string& out, int copies, unsigned seed) : rng_(seed) {
+    bus.subscribe<bot_core::pose_t>(
+        "ODOMETRY", Policy::kKeepAll, [this, &bus, out, copies](const bot_core::pose_t& pose) {
+          for (int i = 0; i < copies; ++i) {
+            std::this_thread::sleep_for(std::chrono::microseconds(rng_() % 2000));
+            pose_estimate_t estimate{};
+            estimate.utime = pose.utime;
+            estimate.frame = out;
+            bus.publish(out, estimate);
+          }
+        });
+  }
+
+ private:
+  std::mt19937 rng_;
+};
+
+struct Pipeline {
+  Pipeline(Mode mode, unsigned seed)
+      : transport(std::make_shared<Transport>("memq://")),
+        driver(named("replay", Mode::kThroughput), transport),
+        bus_double(named("double", mode), transport),
+        bus_triple(named("triple", mode), transport),
+        bus_join(named("join", mode), transport),
+        relay_double(bus_double, "VISUAL_POSE", 2, seed),
+        relay_triple(bus_triple, "LIDAR_POSE", 3, seed + 1) {
+    for (const char* channel : {"VISUAL_POSE", "LIDAR_POSE"})
+      bus_join.subscribe<pose_estimate_t>(
+          channel, Policy::kLatestOnly, [this](const pose_estimate_t& m) {
+            seen.push_back(std::to_string(m.utime) + m.frame + std::to_string(m.seq));
+          });
+    for (Bus* bus : {&bus_double, &bus_triple, &bus_join})
+      threads.emplace_back([bus] { bus->run(); });
+  }
+  ~Pipeline() {
+    for (Bus* bus : {&bus_double, &bus_triple, &bus_join}) bus->stop();
+    for (auto& thread : threads) thread.join();
+  }
+
+  void play(Mode mode, int n) {
+    ConductorOptions options;
+    options.mode = mode;
+    options.processes = {"double", "triple", "join"};
+    Conductor conductor(driver, options, [] {});
+    conductor.wait_for_processes(10);
+    for (int i = 1; i <= n; ++i) {
+      bot_core::pose_t pose{};
+      pose.utime = i;
+      EXPECT_TRUE(conductor.play({0, i, i, "ODOMETRY", bus_detail::encode(pose)}));
+      if (mode == Mode::kLockstep) {
+        EXPECT_EQ(seen.size(), static_cast<std::size_t>(5 * i)) << "digested before the next event";
+      }
+    }
+    conductor.settle();
+  }
+
+  std::shared_ptr<Transport> transport;
+  Bus driver;
+  Bus bus_double;
+  Bus bus_triple;
+  Bus bus_join;
+  Relay relay_double;
+  Relay relay_triple;
+  std::vector<std::string> seen;
+  std::vector<std::thread> threads;
+};
+
+TEST(Conductor, LockstepIsTheSameEachTime) {
+  std::vector<std::string> first;
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    Pipeline pipeline(Mode::kLockstep, seed);
+    pipeline.play(Mode::kLockstep, 20);
+    EXPECT_EQ(pipeline.seen.size(), 100U);
+    if (first.empty()) first = pipeline.seen;
+    EXPECT_EQ(pipeline.seen, first);
+  }
+}
+
+TEST(Conductor, ThroughputLosesNothing) {
+  Pipeline pipeline(Mode::kThroughput, 1);
+  pipeline.play(Mode::kThroughput, 100);
+  EXPECT_EQ(pipeline.seen.size(), 500U);
+}
+
+TEST(Conductor, AnExactRepeatIsNotPlayed) {
+  Pipeline pipeline(Mode::kLockstep, 1);
+  ConductorOptions options;
+  options.processes = {"double", "triple", "join"};
+  Conductor conductor(pipeline.driver, options, [] {});
+  conductor.wait_for_processes(10);
+  const LogEvent event{0, 1, 1, "ODOMETRY", bus_detail::encode(bot_core::pose_t{})};
+  EXPECT_TRUE(conductor.play(event));
+  EXPECT_FALSE(conductor.play(event));
+  EXPECT_EQ(pipeline.seen.size(), 5U);
+}
+
+TEST(Conductor, NamesWhoIsMissing) {
+  Pipeline pipeline(Mode::kLockstep, 1);
+  ConductorOptions options;
+  options.processes = {"double", "absent"};
+  Conductor conductor(pipeline.driver, options, [] {});
+  try {
+    conductor.wait_for_processes(2);
+    FAIL() << "should have said who is absent";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find(" absent"), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find(" double"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Conductor, PollEndsTheWait) {
+  Pipeline pipeline(Mode::kLockstep, 1);
+  ConductorOptions options;
+  options.processes = {"absent"};
+  Conductor conductor(pipeline.driver, options, [] { throw std::runtime_error("interrupted"); });
+  EXPECT_THROW(conductor.wait_for_processes(60), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace fusion_slam
