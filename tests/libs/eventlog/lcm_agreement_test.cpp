@@ -82,9 +82,8 @@ TEST(LcmAgreement, logplayer_plays_our_log_and_we_read_what_logger_records) {
       "lcm-logplayer --lcm-url=udpm:// " +
       (folder / "ours.lcm").string() +
       "\n"
-      "for i in $(seq 100); do [ $(stat -c %s " +
-      recorded + ") -ge " + std::to_string(read_file(folder / "ours.lcm").size()) +
-      " ] && break; sleep 0.1; done\n"
+      "sleep 0.5\n"  // everything is in the logger's socket already; lcm-logger tells nobody when
+                     // it has read it
       "kill -INT $logger; wait $logger\n");
   if (!result) GTEST_SKIP() << "skipped: a private network (unshare --net) is not permitted here";
   ASSERT_EQ(result->exit_code, 0) << result->output;
