@@ -1,0 +1,68 @@
+#include "libs/config/sensors.hpp"
+
+#include <algorithm>
+
+#include "libs/config/yaml_map.hpp"
+
+namespace fusion_slam {
+namespace {
+
+const std::vector<std::string> kLidarKeys = {"kind",    "range_min_m", "range_max_m",
+                                             "sigma_m", "rate_hz",     "beam_period_s"};
+const std::vector<std::string> kCameraKeys = {
+    "kind",   "width_px",   "height_px",   "fx_px",       "fy_px",         "cx_px",
+    "cy_px",  "distortion", "depth_min_m", "depth_max_m", "depth_sigma_m", "depth_sigma_per_m",
+    "rate_hz"};
+
+}  // namespace
+
+LidarModel load_lidar_model(const std::filesystem::path& path) {
+  const YamlMap map = YamlMap::from_file(path, kLidarKeys);
+  map.choice("kind", {"lidar"}, "lidar");
+  LidarModel model;
+  model.range_min_m = map.number("range_min_m", 0.0, 10.0, model.range_min_m);
+  model.range_max_m = map.number("range_max_m", 0.5, 500.0, model.range_max_m);
+  model.sigma_m = map.number("sigma_m", 0.0005, 1.0, model.sigma_m);
+  model.rate_hz = map.number("rate_hz", 0.1, 200.0, model.rate_hz);
+  model.beam_period_s = map.number("beam_period_s", 0.0, 0.1, model.beam_period_s);
+  if (model.range_min_m >= model.range_max_m) map.fail("range_min_m", "is not below range_max_m");
+  return model;
+}
+
+CameraModel load_camera_model(const std::filesystem::path& path) {
+  const YamlMap map = YamlMap::from_file(path, kCameraKeys);
+  map.choice("kind", {"camera"}, "camera");
+  CameraModel m;
+  m.width_px = static_cast<int>(map.number("width_px", 16, 8192, m.width_px));
+  m.height_px = static_cast<int>(map.number("height_px", 16, 8192, m.height_px));
+  m.fx_px = map.number("fx_px", 10.0, 20000.0, m.fx_px);
+  m.fy_px = map.number("fy_px", 10.0, 20000.0, m.fy_px);
+  m.cx_px = map.number("cx_px", 0.0, 8192.0, m.cx_px);
+  m.cy_px = map.number("cy_px", 0.0, 8192.0, m.cy_px);
+  const auto k = map.numbers("distortion", 5, -10.0, 10.0, {0, 0, 0, 0, 0});
+  std::copy(k.begin(), k.end(), m.distortion.begin());
+  m.depth_min_m = map.number("depth_min_m", 0.0, 10.0, m.depth_min_m);
+  m.depth_max_m = map.number("depth_max_m", 0.2, 65.0, m.depth_max_m);
+  m.depth_sigma_m = map.number("depth_sigma_m", 0.0, 0.1, m.depth_sigma_m);
+  m.depth_sigma_per_m = map.number("depth_sigma_per_m", 0.0, 0.1, m.depth_sigma_per_m);
+  m.rate_hz = map.number("rate_hz", 0.1, 200.0, m.rate_hz);
+  if (m.depth_min_m >= m.depth_max_m) map.fail("depth_min_m", "is not below depth_max_m");
+  return m;
+}
+
+std::vector<std::string> sensor_names(const std::filesystem::path& directory,
+                                      const std::string& kind) {
+  std::vector<std::string> names;
+  if (!std::filesystem::is_directory(directory)) return names;
+  std::vector<std::string> all_keys = kLidarKeys;
+  all_keys.insert(all_keys.end(), kCameraKeys.begin(), kCameraKeys.end());
+  for (const auto& file : std::filesystem::directory_iterator(directory)) {
+    if (file.path().extension() != ".yaml") continue;
+    const YamlMap map = YamlMap::from_file(file.path(), all_keys);
+    if (map.text("kind", "") == kind) names.push_back(file.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace fusion_slam
