@@ -1,0 +1,25 @@
+#include "libs/scan_matching/overlap.hpp"
+
+namespace fusion_slam {
+
+Overlap measure_overlap(const Raster& raster, const Points& points_base, const SE2& T_grid_base) {
+  const std::uint8_t even = cell_from_probability(0.5);
+  Overlap overlap;
+  overlap.n_points = static_cast<int>(points_base.size());
+  for (const auto& p : points_base) {
+    const Eigen::Vector2d q = T_grid_base * p;
+    const CellIndex c = raster.cell_of(q.x(), q.y());
+    bool known = false, matched = false;
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const std::uint8_t cell = raster.at(c.x + dx, c.y + dy);
+        known = known || cell != kUnknownCell;
+        matched = matched || cell > even;
+      }
+    overlap.n_known += known ? 1 : 0;
+    overlap.n_matched += matched ? 1 : 0;
+  }
+  return overlap;
+}
+
+}  // namespace fusion_slam

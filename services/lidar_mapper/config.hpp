@@ -1,0 +1,49 @@
+// Constants of the LiDAR mapper. None is meant to be tuned per building: what depends on sensor or
+// map comes from RobotModel (resolution, ranges, rate); the rest says here why it is what it is.
+#pragma once
+
+namespace fusion_slam {
+
+struct LidarMapperConfig {
+  // --- points
+  double max_range_cells =
+      600.0;  // beams beyond this many cells (30 m at 5 cm) are thinner than the map: not used
+  double coarse_edge_m = 0.5;  // the filter's voxel is at most this, smaller where points are few
+  int coarse_points = 100;     // correlative search: enough to tell poses apart
+  int fine_points = 300;       // refinement: about one sweep of a cheap LiDAR
+  int min_points = 20;         // fewer returns than this can't place a robot
+
+  // --- prediction: what a wheeled robot can do
+  double max_speed_mps = 2.5;
+  double max_turn_radps = 4.0;
+  double speed_change_mps =
+      1.0;  // plausible difference between predicted and true speed without odometry
+  double turn_change_radps = 2.0;
+  double odometry_error = 0.3;     // of the motion it reports: slip; the search window, three sigma
+  double odometry_floor_m = 0.06;  // search window when it reports no motion
+  double odometry_floor_rad = 0.09;
+  double max_extrapolation_s = 0.3;  // odometry older than this says nothing of now
+
+  // --- match
+  double max_window_m = 2.0;         // after a gap in the scans
+  double retry_window_factor = 3.0;  // second search when the first match disagrees with the map
+  double weak_agreement = 0.5;       // of the points in known space
+  double lost_agreement = 0.3;
+  double lost_coverage = 0.1;      // of all points: so few in known space match anything
+  double weak_sigma_m = 0.1;       // worst direction: a corridor
+  int lost_scans_to_restart = 10;  // then a new submap begins: the map goes on, the graph mends it
+
+  // --- nodes and submaps
+  double node_distance_m = 0.2;
+  double node_angle_rad = 0.06;
+  int nodes_per_half_submap = 45;  // a submap holds twice this; at 0.2 m: 18 m of path
+  int nodes_per_publication = 10;  // changed tiles of the active submaps go out every so many nodes
+
+  // --- occupancy (paper, equations 3-5 and 7)
+  double hit_probability = 0.62;
+  double miss_probability = 0.45;
+  double min_probability = 0.12;  // clamps: a cell may change its mind after a few scans
+  double max_probability = 0.97;
+};
+
+}  // namespace fusion_slam

@@ -1,0 +1,167 @@
+#include "services/lidar_mapper/lidar_mapper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace fusion_slam {
+namespace {
+
+void append(std::vector<Tile>& all, std::vector<Tile> more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+// How an error of `from` in its own axes shows at the end of T_from_to, in that end's axes.
+Eigen::Matrix3d adjoint_of_inverse(const SE2& T_from_to) {
+  const SE2 T = T_from_to.inverse();
+  Eigen::Matrix3d ad = Eigen::Matrix3d::Identity();
+  ad.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(T.yaw).toRotationMatrix();
+  ad(0, 2) = T.y;
+  ad(1, 2) = -T.x;
+  return ad;
+}
+
+}  // namespace
+
+LidarMapper::LidarMapper(const RobotModel& robot, const LidarMapperConfig& config)
+    : robot_(robot),
+      config_(config),
+      clock_(robot.lidar.rate_hz),
+      predictor_(config),
+      submaps_(robot.map_resolution_m, config) {}
+
+void LidarMapper::add_odometry(std::int64_t utime_us, const SE2& T_odom_base) {
+  predictor_.add_odometry(utime_us, T_odom_base);
+}
+
+void LidarMapper::add_visual_pose(std::int64_t utime_us, const SE2& T_odom_base, bool reliable) {
+  if (reliable)
+    predictor_.add_visual(utime_us, T_odom_base);
+  else
+    predictor_.visual_lost();
+}
+
+MapperOutput LidarMapper::add_scan(const LaserScan& scan) {
+  MapperOutput out;
+  ++counts_.scans;
+  if (is_duplicate(scan)) {
+    ++counts_.duplicates;
+    return out;
+  }
+  const ScanClock::Interval interval = clock_.advance(scan.utime_us);
+  const Prediction prediction =
+      predictor_.predict(last_scan_.utime_us, scan.utime_us, interval, robot_.map_resolution_m);
+  const ScanPoints points =
+      read_scan(scan, robot_, prediction.twist, config_.max_range_cells * robot_.map_resolution_m);
+  const bool usable = points.hits_base.size() >= static_cast<std::size_t>(config_.min_points);
+  counts_.unusable += usable ? 0 : 1;
+  counts_.doubtful_stamps += interval.trusted || node_id_ == 0 ? 0 : 1;
+  last_scan_ = scan;
+  if (!usable && node_id_ == 0) return out;
+
+  const ScanMatch match = place(points, usable, prediction);
+  accept(match, prediction, interval.dt_s);
+  if (usable && lost_in_a_row_ >= config_.lost_scans_to_restart) {
+    append(out.tiles, submaps_.finish_all());
+    ++counts_.restarts;
+  }
+  const bool lost = match.state == MatchState::kLost;
+  if (usable && (submaps_.empty() || (!lost && deserves_node())))
+    out.node = make_node(points, scan.utime_us, out.tiles);
+  out.pose = make_pose_estimate(match, scan.utime_us);
+  return out;
+}
+
+bool LidarMapper::is_duplicate(const LaserScan& scan) const {
+  if (scan.utime_us != last_scan_.utime_us) return false;
+  const auto& a = scan.ranges_m;
+  const auto& b = last_scan_.ranges_m;
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
+ScanMatch LidarMapper::place(const ScanPoints& points, bool usable, const Prediction& prediction) {
+  if (node_id_ == 0) return {T_odom_base_, Eigen::Matrix3d::Zero(), MatchState::kOk, "", {}};
+  const SE2 T_odom_predicted = T_odom_base_ * prediction.motion;
+  if (!usable) return dead_reckon(T_odom_predicted, prediction, "too few beams returned");
+  if (!pyramid_) pyramid_ = std::make_unique<SearchPyramid>(submaps_.oldest().raster());
+  return match_scan(submaps_.oldest(), *pyramid_, points.hits_base, T_odom_predicted, prediction,
+                    config_);
+}
+
+void LidarMapper::accept(const ScanMatch& match, const Prediction& prediction, double dt_s) {
+  const bool lost = match.state == MatchState::kLost;
+  const SE2 motion = T_odom_base_.inverse() * match.T_odom_base;
+  if (lost) {  // errors add up until something is recognised
+    const Eigen::Matrix3d carry = adjoint_of_inverse(motion);
+    covariance_ = carry * covariance_ * carry.transpose() + match.covariance;
+  } else {
+    covariance_ = match.covariance;
+    last_fix_us_ = last_scan_.utime_us;
+  }
+  T_odom_base_ = match.T_odom_base;
+  lost_in_a_row_ = lost ? lost_in_a_row_ + 1 : 0;
+  counts_.lost += lost ? 1 : 0;
+  counts_.weak += match.state == MatchState::kWeak ? 1 : 0;
+  predictor_.add_scan_pose(dt_s, T_odom_base_);
+  // A guessed velocity is good for a moment; then the robot is better taken to stand.
+  if (lost_in_a_row_ > 2 && prediction.source == PredictionSource::kConstantVelocity)
+    predictor_.forget_velocity();
+}
+
+bool LidarMapper::deserves_node() const {
+  const SE2 moved = T_odom_node_.inverse() * T_odom_base_;
+  return std::hypot(moved.x, moved.y) >= config_.node_distance_m ||
+         std::abs(moved.yaw) >= config_.node_angle_rad;
+}
+
+LidarNode LidarMapper::make_node(const ScanPoints& points, std::int64_t utime_us,
+                                 std::vector<Tile>& tiles) {
+  const bool new_map = submaps_.empty();
+  LidarNode node;
+  node.id = node_id_ + 1;
+  node.utime_us = utime_us;
+  node.T_odom_base = T_odom_base_;
+  node.previous_id = node_id_;
+  if (node_id_ != 0) {
+    node.T_previous_base = T_odom_node_.inverse() * T_odom_base_;
+    const Eigen::Matrix3d carry = adjoint_of_inverse(node.T_previous_base);
+    node.covariance = carry * node_covariance_ * carry.transpose() + covariance_;
+  }
+  append(tiles, submaps_.insert(node.id, points, T_odom_base_, utime_us));
+  pyramid_.reset();
+  if (++nodes_since_publication_ >= config_.nodes_per_publication) {
+    append(tiles, submaps_.take_changed_tiles());
+    nodes_since_publication_ = 0;
+  }
+  node.submaps = submaps_.inserted_into();
+  node.points_base = points.hits_base;
+  node_id_ = node.id;
+  T_odom_node_ = T_odom_base_;
+  node_covariance_ = new_map ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : covariance_;
+  if (new_map) lost_in_a_row_ = 0;
+  ++counts_.nodes;
+  return node;
+}
+
+LidarPose LidarMapper::make_pose_estimate(const ScanMatch& match, std::int64_t utime_us) const {
+  LidarPose pose;
+  pose.utime_us = utime_us;
+  pose.T_odom_base = T_odom_base_;
+  pose.covariance = covariance_;
+  pose.state = match.state;
+  pose.reason = match.reason;
+  pose.reference_id = node_id_;
+  pose.T_reference_base = T_odom_node_.inverse() * T_odom_base_;
+  pose.fix_utime_us = last_fix_us_;
+  pose.n_matched = match.overlap.n_matched;
+  return pose;
+}
+
+std::vector<Tile> LidarMapper::finish() {
+  nodes_since_publication_ = 0;
+  return submaps_.take_changed_tiles();
+}
+
+}  // namespace fusion_slam

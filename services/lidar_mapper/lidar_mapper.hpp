@@ -1,0 +1,108 @@
+// 2D LiDAR SLAM's front end after Hess et al. 2016 ("Real-time loop closure in 2D LIDAR SLAM"),
+// without the loop closure, which is the pose graph's. Knows no bus and no clock: what it says
+// depends on its calls only. One thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libs/geometry/pose.hpp"
+#include "libs/robot/robot_model.hpp"
+#include "services/lidar_mapper/config.hpp"
+#include "services/lidar_mapper/match_scan.hpp"
+#include "services/lidar_mapper/motion_predictor.hpp"
+#include "services/lidar_mapper/scan_clock.hpp"
+#include "services/lidar_mapper/submap.hpp"
+
+namespace fusion_slam {
+
+struct LidarNode {
+  std::int64_t id = 0;  // 1, 2, 3 ...
+  std::int64_t utime_us = 0;
+  SE2 T_odom_base;
+  std::int64_t previous_id = 0;  // 0: none
+  SE2 T_previous_base;
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Zero();  // of T_previous_base, (x, y, yaw) in base axes
+  std::vector<ActiveSubmaps::Membership> submaps;
+  Points points_base;
+};
+
+struct LidarPose {
+  std::int64_t utime_us = 0;
+  SE2 T_odom_base;
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Zero();  // in the local map, (x, y, yaw) in base axes
+  MatchState state = MatchState::kOk;
+  std::string reason;
+  std::int64_t reference_id = 0;  // node that this pose hangs on
+  SE2 T_reference_base;
+  std::int64_t fix_utime_us = 0;  // last scan that was not kLost
+  int n_matched = 0;
+};
+
+// What one scan led to. No pose: the scan was dropped (repeated, or no node yet and too few
+// returns).
+struct MapperOutput {
+  std::optional<LidarPose> pose;
+  std::optional<LidarNode> node;
+  std::vector<Tile> tiles;  // of submaps, grid probability
+};
+
+struct MapperCounts {
+  std::int64_t scans = 0;
+  std::int64_t duplicates = 0;       // same stamp, same ranges
+  std::int64_t doubtful_stamps = 0;  // repeated, backwards, or too close
+  std::int64_t unusable = 0;         // too few returns
+  std::int64_t weak = 0;
+  std::int64_t lost = 0;
+  std::int64_t nodes = 0;
+  std::int64_t restarts = 0;  // of the map after being lost
+};
+
+class LidarMapper {
+ public:
+  explicit LidarMapper(const RobotModel& robot, const LidarMapperConfig& config = {});
+
+  // Poses in frames of their own; times in any order up to those of the scans.
+  void add_odometry(std::int64_t utime_us, const SE2& T_odom_base);
+  void add_visual_pose(std::int64_t utime_us, const SE2& T_odom_base, bool reliable);
+
+  MapperOutput add_scan(const LaserScan& scan);
+
+  // What add_scan still held back: the changed tiles of the active submaps. Mapping may go on
+  // afterwards.
+  std::vector<Tile> finish();
+
+  const MapperCounts& counts() const { return counts_; }
+
+ private:
+  bool is_duplicate(const LaserScan& scan) const;
+  ScanMatch place(const ScanPoints& points, bool usable, const Prediction& prediction);
+  void accept(const ScanMatch& match, const Prediction& prediction, double dt_s);
+  bool deserves_node() const;
+  LidarNode make_node(const ScanPoints& points, std::int64_t utime_us, std::vector<Tile>& tiles);
+  LidarPose make_pose_estimate(const ScanMatch& match, std::int64_t utime_us) const;
+
+  const RobotModel robot_;
+  const LidarMapperConfig config_;
+  ScanClock clock_;
+  MotionPredictor predictor_;
+  ActiveSubmaps submaps_;
+  std::unique_ptr<SearchPyramid> pyramid_;  // of the oldest submap; made anew after it changed
+  LaserScan last_scan_;
+  SE2 T_odom_base_;                                       // of the last scan
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  // of the last scan in its submap
+  std::int64_t last_fix_us_ = 0;
+  int lost_in_a_row_ = 0;
+  std::int64_t node_id_ = 0;  // last node
+  SE2 T_odom_node_;
+  Eigen::Matrix3d node_covariance_ = Eigen::Matrix3d::Zero();
+  int nodes_since_publication_ = 0;
+  MapperCounts counts_;
+};
+
+}  // namespace fusion_slam

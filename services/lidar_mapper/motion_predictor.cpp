@@ -1,0 +1,111 @@
+#include "services/lidar_mapper/motion_predictor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fusion_slam {
+namespace {
+
+constexpr std::size_t kRememberedPoses = 512;  // seconds of any odometry
+constexpr std::int64_t kLongestGapUs = 1'000'000;
+constexpr std::int64_t kBackwardsUs = 1'000'000;  // further back than this is a new recording
+constexpr int kVelocityIntervals =
+    2;  // one interval carries the jitter of its stamps and matches in full
+constexpr double kVelocitySpanS = 0.2;
+
+double clamp_abs(double value, double limit) { return std::clamp(value, -limit, limit); }
+
+}  // namespace
+
+void MotionSource::add(std::int64_t utime_us, const SE2& T_odom_base) {
+  if (!poses_.empty()) {
+    const std::int64_t ahead = utime_us - poses_.back().utime_us;
+    if (ahead < -kBackwardsUs)
+      poses_.clear();
+    else if (ahead <= 0)
+      return;  // repeated or late: the newer one knows better
+  }
+  poses_.push_back({utime_us, T_odom_base});
+  if (poses_.size() > kRememberedPoses) poses_.pop_front();
+}
+
+std::optional<SE2> MotionSource::pose_at(std::int64_t utime_us, double max_extrapolation_s) const {
+  if (poses_.empty() || utime_us < poses_.front().utime_us) return std::nullopt;
+  const auto after =
+      std::lower_bound(poses_.begin(), poses_.end(), utime_us,
+                       [](const Stamped& s, std::int64_t t) { return s.utime_us < t; });
+  if (after != poses_.end() && after->utime_us == utime_us) return after->pose;
+  const bool ahead = after == poses_.end();
+  if (ahead && poses_.size() < 2) return std::nullopt;
+  const Stamped& b = ahead ? poses_.back() : *after;
+  const Stamped& a = ahead ? poses_[poses_.size() - 2] : *(after - 1);
+  if (b.utime_us - a.utime_us > kLongestGapUs) return std::nullopt;
+  if (static_cast<double>(utime_us - b.utime_us) * 1e-6 > max_extrapolation_s) return std::nullopt;
+  const double span_s = static_cast<double>(b.utime_us - a.utime_us) * 1e-6;
+  const Twist twist = Twist::from_motion(a.pose.inverse() * b.pose, span_s);
+  return a.pose * twist.motion(static_cast<double>(utime_us - a.utime_us) * 1e-6);
+}
+
+std::optional<SE2> MotionSource::motion(std::int64_t from_us, std::int64_t to_us,
+                                        double max_extrapolation_s) const {
+  const auto from = pose_at(from_us, max_extrapolation_s);
+  const auto to = pose_at(to_us, max_extrapolation_s);
+  if (!from || !to) return std::nullopt;
+  return from->inverse() * *to;
+}
+
+Twist MotionPredictor::velocity() const {
+  double span_s = 0.0;
+  int intervals = 0;
+  std::size_t i = history_.size();
+  while (i > 1 && (intervals < kVelocityIntervals || span_s < kVelocitySpanS)) {
+    span_s += history_[--i].dt_s;
+    ++intervals;
+  }
+  if (intervals == 0) return {};
+  Twist twist = Twist::from_motion(history_[i - 1].pose.inverse() * history_.back().pose, span_s);
+  twist.vx_mps = clamp_abs(twist.vx_mps, config_.max_speed_mps);
+  twist.vy_mps = clamp_abs(twist.vy_mps, config_.max_speed_mps);
+  twist.turn_radps = clamp_abs(twist.turn_radps, config_.max_turn_radps);
+  return twist;
+}
+
+Prediction MotionPredictor::predict(std::int64_t last_us, std::int64_t now_us,
+                                    const ScanClock::Interval& interval,
+                                    double resolution_m) const {
+  const double dt = interval.dt_s;
+  Prediction p;
+  auto measured = odometry_.motion(last_us, now_us, config_.max_extrapolation_s);
+  p.source = PredictionSource::kOdometry;
+  if (!measured) {
+    measured = visual_.motion(last_us, now_us, config_.max_extrapolation_s);
+    p.source = PredictionSource::kVisual;
+  }
+  const bool plausible = measured && interval.trusted &&
+                         std::hypot(measured->x, measured->y) <= config_.max_speed_mps * dt &&
+                         std::abs(measured->yaw) <= config_.max_turn_radps * dt;
+  if (plausible) {
+    p.motion = *measured;
+    p.twist = Twist::from_motion(*measured, dt);
+    const double moved = std::hypot(measured->x, measured->y);
+    p.window_m = std::max(config_.odometry_floor_m, resolution_m) + config_.odometry_error * moved;
+    p.window_rad = config_.odometry_floor_rad + config_.odometry_error * std::abs(measured->yaw);
+  } else {
+    p.source = PredictionSource::kConstantVelocity;
+    p.twist = velocity();
+    // Over a gap the robot may have done anything: don't carry the velocity far.
+    p.motion = p.twist.motion(std::min(dt, 0.5));
+    p.window_m = std::max(config_.speed_change_mps * dt, 3.0 * resolution_m);
+    p.window_rad = std::max(config_.turn_change_radps * dt, 0.1);
+  }
+  p.window_m = std::min(p.window_m, config_.max_window_m);
+  p.window_rad = std::min(p.window_rad, M_PI);
+  return p;
+}
+
+void MotionPredictor::add_scan_pose(double dt_s, const SE2& T_odom_base) {
+  history_.push_back({dt_s, T_odom_base});
+  if (history_.size() > 32) history_.pop_front();
+}
+
+}  // namespace fusion_slam

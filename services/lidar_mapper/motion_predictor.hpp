@@ -1,0 +1,82 @@
+// Where the robot should be at the next scan: from wheel odometry, else visual odometry, else the
+// velocity of the last scans. Deterministic; one thread.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "libs/geometry/pose.hpp"
+#include "services/lidar_mapper/config.hpp"
+#include "services/lidar_mapper/scan_clock.hpp"
+#include "services/lidar_mapper/scan_points.hpp"
+
+namespace fusion_slam {
+
+// Poses of another sensor in its own drifting frame, by time. Only differences of them mean
+// anything.
+class MotionSource {
+ public:
+  void add(std::int64_t utime_us, const SE2& T_odom_base);
+  void clear() { poses_.clear(); }
+  bool empty() const { return poses_.empty(); }
+  std::int64_t newest_us() const { return poses_.empty() ? 0 : poses_.back().utime_us; }
+
+  // T_base(from)_base(to); nothing when the poses don't reach both times (extrapolating at most
+  // max_extrapolation_s).
+  std::optional<SE2> motion(std::int64_t from_us, std::int64_t to_us,
+                            double max_extrapolation_s) const;
+
+ private:
+  struct Stamped {
+    std::int64_t utime_us;
+    SE2 pose;
+  };
+  std::optional<SE2> pose_at(std::int64_t utime_us, double max_extrapolation_s) const;
+  std::deque<Stamped> poses_;
+};
+
+enum class PredictionSource { kNone, kOdometry, kVisual, kConstantVelocity };
+
+struct Prediction {
+  SE2 motion;             // T_base(last scan)_base(this scan)
+  Twist twist;            // velocity that goes on during this scan
+  double window_m = 0.0;  // the truth is within this (three sigma)
+  double window_rad = 0.0;
+  PredictionSource source = PredictionSource::kNone;
+};
+
+class MotionPredictor {
+ public:
+  explicit MotionPredictor(const LidarMapperConfig& config) : config_(config) {}
+
+  void add_odometry(std::int64_t utime_us, const SE2& T_odom_base) {
+    odometry_.add(utime_us, T_odom_base);
+  }
+  void add_visual(std::int64_t utime_us, const SE2& T_odom_base) {
+    visual_.add(utime_us, T_odom_base);
+  }
+  void visual_lost() { visual_.clear(); }  // its frame may have jumped
+
+  // `interval` since the last scan, which was at last_us.
+  Prediction predict(std::int64_t last_us, std::int64_t now_us, const ScanClock::Interval& interval,
+                     double resolution_m) const;
+
+  // The pose that the matching found, dt_s after the one before.
+  void add_scan_pose(double dt_s, const SE2& T_odom_base);
+  void forget_velocity() { history_.clear(); }
+
+ private:
+  Twist velocity() const;
+
+  const LidarMapperConfig config_;
+  MotionSource odometry_;
+  MotionSource visual_;
+  struct Past {
+    double dt_s;  // since the entry before
+    SE2 pose;
+  };
+  std::deque<Past> history_;
+};
+
+}  // namespace fusion_slam
