@@ -1,0 +1,61 @@
+// What the pose graph believes about its inputs beyond their own covariances. One set for every
+// robot and building.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace fusion_slam {
+
+struct PoseGraphConfig {
+  // Trackers report the noise of their matches. Their errors are biased, too (calibration, time
+  // stamps), and add up along the way instead of averaging out; without this factor a true loop
+  // after a long way would look impossible.
+  double tracker_optimism = 9.0;  // on a tracker's covariance: 3 times the standard deviation
+  // And this is added, so that no edge is perfect.
+  double floor_translation_m = 0.003;
+  double floor_rotation_rad = 0.001;
+
+  // A planar robot's base stays on the floor. Wider for single nodes than one frame's noise, so
+  // that a camera mounted a degree off bends nothing.
+  double planar_z_m = 0.02;
+  double planar_tilt_rad = 0.01;
+
+  // What a 2D scan says of z, roll and pitch from node to node: on a floor that they stay,
+  // otherwise nearly nothing (only enough to keep the equations regular).
+  double lidar_planar_z_m = 0.001;
+  double lidar_planar_tilt_rad = 0.001;
+  double lidar_free_z_m = 1.0;
+  double lidar_free_tilt_rad = 0.5;
+
+  // Between two scans the robot may have accelerated this much: sets how far an interpolated pose
+  // is trusted.
+  double max_acceleration_mps2 = 1.0;
+  double max_angular_acceleration_radps2 = 2.0;
+  std::int64_t max_interpolation_gap_us =
+      500'000;  // a longer gap isn't a trajectory, it is a guess
+  std::int64_t max_wait_us =
+      2'000'000;  // for a node that others refer to; after that it counts as lost
+  std::int64_t track_memory_us = 60'000'000;  // poses older than this are never asked for again
+
+  // Wheel odometry (differential drive, indoor floors): standard deviation as a share of the
+  // motion.
+  double odometry_slip = 0.05;
+  double odometry_turn_slip = 0.05;
+
+  // A track that broke and starts anew without odometry or the other sensor: it can be this far
+  // off, plus this speed times the time it was blind.
+  double restart_translation_m = 0.2;
+  double restart_rotation_rad = 0.2;
+  double restart_speed_mps = 0.5;
+  double restart_turn_radps = 0.5;
+
+  // Geman-McClure scale of a loop: squared error, in units of its covariance, where doubt begins;
+  // 99 % of a chi-square with 6 degrees of freedom.
+  double loop_chi2 = 16.8;
+
+  std::size_t window_nodes = 20;   // newest nodes refined when the second sensor ties in
+  std::size_t max_waiting = 4096;  // poses, nodes and loops that wait for a node that hasn't come
+};
+
+}  // namespace fusion_slam

@@ -1,0 +1,124 @@
+#include "services/pose_graph/graph_costs.hpp"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace fusion_slam {
+namespace {
+
+using Jacobian7 = Eigen::Matrix<double, 6, 7, Eigen::RowMajor>;
+
+// d log(R Exp(d)) / d d at d = 0, with v = log(R).
+Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  const Eigen::Matrix3d V = skew(v);
+  if (angle < 1e-5) return Eigen::Matrix3d::Identity() + 0.5 * V + V * V / 12.0;
+  const double c = 1.0 / (angle * angle) - 1.0 / (2.0 * angle * std::tan(0.5 * angle));
+  return Eigen::Matrix3d::Identity() + 0.5 * V + c * V * V;
+}
+
+}  // namespace
+
+PoseBlock to_block(const SE3& T) {
+  const Eigen::Quaterniond q(T.linear());
+  return {
+      T.translation().x(), T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+SE3 from_block(const double* b) {
+  return make_pose(Eigen::Vector3d(b[0], b[1], b[2]), b[6], b[3], b[4], b[5]);
+}
+
+bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
+  const Eigen::Map<const Vector6d> xi(delta);
+  const PoseBlock block = to_block(retract(from_block(x), xi));
+  std::copy(block.begin(), block.end(), x_plus_delta);
+  return true;
+}
+
+bool PoseManifold::PlusJacobian(const double*, double* jacobian) const {
+  Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> J(jacobian);
+  J.setZero();
+  J.topRows<6>().setIdentity();
+  return true;
+}
+
+bool PoseManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
+  Eigen::Map<Vector6d>{y_minus_x} = local(from_block(x), from_block(y));
+  return true;
+}
+
+bool PoseManifold::MinusJacobian(const double*, double* jacobian) const {
+  Eigen::Map<Jacobian7> J(jacobian);
+  J.setZero();
+  J.leftCols<6>().setIdentity();
+  return true;
+}
+
+// With P = T_from^-1 T_to and E = M^-1 P (M measured), residual (t_E, log R_E):
+//   to   -> to * Exp(d):   t_E += R_E dt,              log += Jr^-1 dr
+//   from -> from * Exp(d): t_E += R_M^T (-dt + [t_P] dr), log -= Jr^-1 R_P^T dr
+bool RelativePoseCost::Evaluate(const double* const* parameters, double* residuals,
+                                double** jacobians) const {
+  const SE3 P = from_block(parameters[0]).inverse() * from_block(parameters[1]);
+  const SE3 E = T_from_to_.inverse() * P;
+  Vector6d error;
+  error << E.translation(), log_so3(E.linear());
+  Eigen::Map<Vector6d>{residuals} = sqrt_information_ * error;
+  if (jacobians == nullptr) return true;
+
+  const Eigen::Matrix3d Jr_inv = right_jacobian_inverse(error.tail<3>());
+  if (jacobians[0] != nullptr) {
+    const Eigen::Matrix3d R_m_t = T_from_to_.linear().transpose();
+    Matrix6d J = Matrix6d::Zero();
+    J.topLeftCorner<3, 3>() = -R_m_t;
+    J.topRightCorner<3, 3>() = R_m_t * skew(P.translation());
+    J.bottomRightCorner<3, 3>() = -Jr_inv * P.linear().transpose();
+    Eigen::Map<Jacobian7> out(jacobians[0]);
+    out.leftCols<6>() = sqrt_information_ * J;
+    out.col(6).setZero();
+  }
+  if (jacobians[1] != nullptr) {
+    Matrix6d J = Matrix6d::Zero();
+    J.topLeftCorner<3, 3>() = E.linear();
+    J.bottomRightCorner<3, 3>() = Jr_inv;
+    Eigen::Map<Jacobian7> out(jacobians[1]);
+    out.leftCols<6>() = sqrt_information_ * J;
+    out.col(6).setZero();
+  }
+  return true;
+}
+
+bool PlanarCost::Evaluate(const double* const* parameters, double* residuals,
+                          double** jacobians) const {
+  const SE3 T = from_block(parameters[0]);
+  const Eigen::Matrix3d R = T.linear();
+  residuals[0] = weight_z_ * T.translation().z();
+  residuals[1] = weight_tilt_ * R(0, 2);
+  residuals[2] = weight_tilt_ * R(1, 2);
+  if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+  Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>> J(jacobians[0]);
+  J.setZero();
+  J.block<1, 3>(0, 0) = weight_z_ * R.row(2);
+  const Eigen::Matrix3d d_up = -R * skew(Eigen::Vector3d::UnitZ());
+  J.block<2, 3>(1, 3) = weight_tilt_ * d_up.topRows<2>();
+  return true;
+}
+
+void GraduatedLoss::Evaluate(double s, double rho[3]) const {
+  const double share = m_ / (m_ + s);
+  rho[0] = share * s;
+  rho[1] = share * share;
+  rho[2] = -2.0 * share * share / (m_ + s);
+}
+
+Matrix6d sqrt_information(const Matrix6d& covariance) {
+  const Matrix6d symmetric = 0.5 * (covariance + covariance.transpose());
+  const Eigen::LLT<Matrix6d> cholesky(symmetric);
+  if (!symmetric.allFinite() || cholesky.info() != Eigen::Success) return Matrix6d::Identity();
+  // covariance = L L^T, so S = L^-1.
+  return cholesky.matrixL().solve(Matrix6d::Identity());
+}
+
+}  // namespace fusion_slam

@@ -1,0 +1,73 @@
+// The residuals of the pose graph, with analytic Jacobians, and the SE(3) manifold they live on.
+#pragma once
+
+#include <array>
+
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/sized_cost_function.h>
+
+#include "libs/geometry/pose.hpp"
+
+namespace fusion_slam {
+
+// A pose as Ceres' parameter block: x, y, z, then quaternion x, y, z, w.
+using PoseBlock = std::array<double, 7>;
+PoseBlock to_block(const SE3& T);
+SE3 from_block(const double* block);
+
+// Plus is retract(): T * (t, Exp(r)). Its Jacobian is declared as [I6; 0], and every cost below
+// returns derivatives by that increment in the first six columns: the quaternion's own derivative
+// is never formed (as OKVIS does it).
+class PoseManifold final : public ceres::Manifold {
+ public:
+  int AmbientSize() const override { return 7; }
+  int TangentSize() const override { return 6; }
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
+  bool PlusJacobian(const double* x, double* jacobian) const override;
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override;
+  bool MinusJacobian(const double* x, double* jacobian) const override;
+};
+
+// residual = S * local(T_from_to, T_from^-1 * T_to), S^T S = information.
+class RelativePoseCost final : public ceres::SizedCostFunction<6, 7, 7> {
+ public:
+  RelativePoseCost(const SE3& T_from_to, const Matrix6d& sqrt_information)
+      : T_from_to_(T_from_to), sqrt_information_(sqrt_information) {}
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  SE3 T_from_to_;
+  Matrix6d sqrt_information_;
+};
+
+// residual = (z / sigma_z, tilt of the up axis towards map x and y / sigma_tilt).
+class PlanarCost final : public ceres::SizedCostFunction<3, 7> {
+ public:
+  PlanarCost(double sigma_z_m, double sigma_tilt_rad)
+      : weight_z_(1.0 / sigma_z_m), weight_tilt_(1.0 / sigma_tilt_rad) {}
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  double weight_z_;
+  double weight_tilt_;
+};
+
+// Geman-McClure with graduated non-convexity (Yang et al. 2020): rho(s) = m s / (m + s), m = mu *
+// chi2. Large mu: least squares. mu = 1: an error far above chi2 costs no more than chi2.
+class GraduatedLoss final : public ceres::LossFunction {
+ public:
+  GraduatedLoss(double chi2, double mu) : m_(chi2 * mu) {}
+  void Evaluate(double s, double rho[3]) const override;
+
+ private:
+  double m_;
+};
+
+// S with S^T S = covariance^-1. A covariance that is not positive definite counts as a wide one (1
+// m, 1 rad).
+Matrix6d sqrt_information(const Matrix6d& covariance);
+
+}  // namespace fusion_slam

@@ -1,0 +1,189 @@
+#include "services/pose_graph/pose_graph.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace fusion_slam {
+
+PoseGraph::PoseGraph(PoseGraphConfig config)
+    : config_(config),
+      visual_(config.max_interpolation_gap_us, config.track_memory_us),
+      lidar_(config.max_interpolation_gap_us, config.track_memory_us),
+      odometry_(config.max_interpolation_gap_us, config.track_memory_us) {}
+
+void PoseGraph::set_robot(const RobotModel& robot) { robot_ = robot; }
+
+void PoseGraph::add_node(const NodeInput& node) {
+  const auto key = std::make_pair(node.utime_us, node.id);
+  if (node.id.id <= 0 || known(node.id) || waiting_nodes_.count(key) > 0) {
+    ++counts_.rejected;
+    return;
+  }
+  waiting_nodes_[key] = node;
+  newest_utime_us_ = std::max(newest_utime_us_, node.utime_us);
+  settle();
+}
+
+void PoseGraph::add_pose(const PoseInput& pose) {
+  const bool usable = pose.state == PoseState::kOk || pose.state == PoseState::kWeak;
+  if (usable && pose.reference)
+    track(pose.sensor)
+        .add({pose.utime_us, pose.T_odom_base, *pose.reference, pose.T_reference_base,
+              pose.covariance, pose.fix_utime_us, false});
+  else
+    track(pose.sensor).mark_break();
+  waiting_poses_.push_back(pose);
+  newest_utime_us_ = std::max(newest_utime_us_, pose.utime_us);
+  settle();
+}
+
+void PoseGraph::add_odometry(std::int64_t utime_us, const SE3& T_odom_base) {
+  TrackPose pose;
+  pose.utime_us = utime_us;
+  pose.T_odom_base = T_odom_base;
+  odometry_.add(pose);
+}
+
+void PoseGraph::add_loop(const NodeId& from, const NodeId& to, const SE3& T_from_to,
+                         const Matrix6d& covariance) {
+  if (from == to || waiting_loops_.size() >= config_.max_waiting) {
+    ++counts_.rejected;
+    return;
+  }
+  waiting_loops_.push_back({EdgeKind::kLoop, from, to, T_from_to, covariance, 1.0});
+  settle();
+}
+
+void PoseGraph::finish() {
+  finishing_ = true;
+  settle();
+  solve({});
+  finishing_ = false;
+}
+
+void PoseGraph::settle() {
+  while (place_nodes()) {
+  }
+  if (tie_keyframes()) refine_window();
+  if (take_loops()) solve({});
+  say_poses();
+}
+
+bool PoseGraph::place_nodes() {
+  for (auto it = waiting_nodes_.begin(); it != waiting_nodes_.end(); ++it) {
+    if (!place(it->second)) continue;
+    waiting_nodes_.erase(it);
+    return true;
+  }
+  return false;
+}
+
+// False: what it hangs on hasn't come yet.
+bool PoseGraph::place(const NodeInput& node) {
+  const NodeId previous{node.id.kind, node.previous_id};
+  if (node.previous_id != 0 && known(previous)) {
+    const bool lidar = node.id.kind == NodeKind::kLidar;
+    edges_.push_back({lidar ? EdgeKind::kLidar : EdgeKind::kVisual, previous, node.id,
+                      node.T_previous_base, node.covariance, 1.0});
+    put(node, nodes_.at(previous).T_map_base * node.T_previous_base);
+    return true;
+  }
+  const bool may_wait = !finishing_ && waiting_nodes_.size() < config_.max_waiting &&
+                        newest_utime_us_ - node.utime_us <= config_.max_wait_us;
+  if (node.previous_id != 0 && may_wait) return false;
+  if (nodes_.empty()) {
+    put(node, SE3::Identity());
+    return true;
+  }
+  const auto found = hang(node);
+  if (!found) return false;
+  edges_.push_back(found->edge);
+  if (found->counts_as_restart) ++counts_.restarts;
+  put(node, nodes_.at(found->edge.from).T_map_base * found->edge.T_from_to);
+  return true;
+}
+
+void PoseGraph::put(const NodeInput& node, const SE3& T_map_base) {
+  nodes_[node.id] = {node.utime_us, T_map_base, node.T_odom_base};
+  by_time_.emplace(node.utime_us, node.id);
+  changed_.insert(node.id);
+  if (node.id.kind == NodeKind::kKeyframe) waiting_ties_.emplace(node.utime_us, node.id);
+  if (waiting_ties_.size() > config_.max_waiting) waiting_ties_.erase(waiting_ties_.begin());
+}
+
+// Each keyframe is also seen in the LiDAR's trajectory: at the same time the robot was at one place
+// only. True: new ties.
+bool PoseGraph::tie_keyframes() {
+  bool tied = false;
+  for (auto it = waiting_ties_.begin(); it != waiting_ties_.end();) {
+    const auto& [utime_us, id] = *it;
+    const auto seen = lidar_.at(utime_us);
+    const bool usable = seen && known(seen->pose.reference);
+    if (!usable && (seen || may_still_come(NodeKind::kLidar, utime_us)) && !finishing_) {
+      ++it;
+      continue;
+    }
+    if (usable) {
+      edges_.push_back({EdgeKind::kTie, seen->pose.reference, id, seen->pose.T_reference_base,
+                        interpolated_covariance(config_, *seen), 1.0});
+      ++counts_.ties;
+      tied = true;
+    }
+    it = waiting_ties_.erase(it);
+  }
+  return tied;
+}
+
+bool PoseGraph::take_loops() {
+  const auto ready = [this](const GraphEdge& loop) { return known(loop.from) && known(loop.to); };
+  const auto first_unready =
+      std::stable_partition(waiting_loops_.begin(), waiting_loops_.end(), ready);
+  const bool any = first_unready != waiting_loops_.begin();
+  counts_.loops += first_unready - waiting_loops_.begin();
+  edges_.insert(edges_.end(), waiting_loops_.begin(), first_unready);
+  waiting_loops_.erase(waiting_loops_.begin(), first_unready);
+  return any;
+}
+
+// The newest nodes alone: between loops the two sensors' chains must not drift apart.
+void PoseGraph::refine_window() {
+  std::set<NodeId> moving;
+  for (auto it = by_time_.rbegin(); it != by_time_.rend() && moving.size() < config_.window_nodes;
+       ++it)
+    moving.insert(it->second);
+  solve(moving);
+}
+
+void PoseGraph::solve(const std::set<NodeId>& moving) {
+  if (nodes_.empty()) return;
+  SolveOptions options;
+  options.planar = robot_ && robot_->planar;
+  options.anchor = by_time_.begin()->second;
+  options.moving = moving;
+  const SolveReport report = solve_graph(config_, options, &nodes_, &edges_);
+  ++counts_.solves;
+  if (moving.empty()) counts_.loops_outvoted = report.loops_outvoted;
+  for (const auto& [id, node] : nodes_)
+    if (moving.empty() || moving.count(id) > 0) changed_.insert(id);
+}
+
+std::vector<std::pair<NodeId, GraphNode>> PoseGraph::take_changes() {
+  std::vector<std::pair<NodeId, GraphNode>> changes;
+  for (const NodeId& id : changed_) {
+    const GraphNode& node = nodes_.at(id);
+    const auto taken = taken_.find(id);
+    if (taken != taken_.end()) {
+      const Vector6d moved = local(taken->second.T_map_base, node.T_map_base);
+      if (moved.head<3>().norm() < 1e-3 && moved.tail<3>().norm() < 1e-4) continue;
+    }
+    taken_[id] = node;
+    changes.emplace_back(id, node);
+  }
+  changed_.clear();
+  if (!changes.empty()) ++revision_;
+  return changes;
+}
+
+std::vector<PoseOutput> PoseGraph::take_poses() { return std::exchange(poses_, {}); }
+
+}  // namespace fusion_slam

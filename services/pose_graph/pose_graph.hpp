@@ -1,0 +1,148 @@
+// One graph for both sensors. Keyframes and LiDAR nodes come in with an edge to the one before;
+// keyframes are tied to the LiDAR's trajectory by time; loops close it. Out come the nodes' places
+// in the map and the robot's pose at sensor rate. Knows no bus. Not thread-safe. Nothing depends on
+// the order in which inputs of the same utime arrive: what refers to a node that hasn't come yet
+// waits for it.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libs/robot/robot_model.hpp"
+#include "services/pose_graph/config.hpp"
+#include "services/pose_graph/graph_solver.hpp"
+#include "services/pose_graph/graph_types.hpp"
+#include "services/pose_graph/pose_track.hpp"
+
+namespace fusion_slam {
+
+enum class PoseState : std::int8_t { kUnknown = 0, kOk = 1, kWeak = 2, kLost = 3 };
+
+struct NodeInput {  // KEYFRAME or LIDAR_NODE
+  NodeId id;
+  std::int64_t utime_us = 0;
+  SE3 T_odom_base = SE3::Identity();
+  std::int64_t previous_id = 0;  // of the same kind; 0: none, the track starts (anew) here
+  SE3 T_previous_base = SE3::Identity();
+  Matrix6d covariance = Matrix6d::Identity();  // of T_previous_base
+};
+
+struct PoseInput {  // VISUAL_POSE (sensor kKeyframe) or LIDAR_POSE (kLidar)
+  NodeKind sensor = NodeKind::kKeyframe;
+  std::int64_t utime_us = 0;
+  SE3 T_odom_base = SE3::Identity();
+  Matrix6d covariance = Matrix6d::Identity();
+  PoseState state = PoseState::kUnknown;
+  std::string reason;
+  std::optional<NodeId> reference;
+  SE3 T_reference_base = SE3::Identity();
+  std::int64_t fix_utime_us = 0;
+  int n_matched = 0;
+};
+
+struct PoseOutput {  // POSE
+  std::int64_t utime_us = 0;
+  SE3 T_map_base = SE3::Identity();
+  Matrix6d covariance = Matrix6d::Identity();
+  PoseState state = PoseState::kUnknown;
+  std::string reason;
+  NodeId reference;
+  SE3 T_reference_base = SE3::Identity();
+  std::int64_t fix_utime_us = 0;
+  int n_matched = 0;
+};
+
+struct PoseGraphCounts {
+  std::int64_t solves = 0;
+  std::int64_t loops = 0;
+  std::int64_t loops_outvoted = 0;
+  std::int64_t ties = 0;
+  std::int64_t restarts = 0;  // tracks that started anew and were hung on the last known pose
+  std::int64_t rejected = 0;  // duplicate ids, edges from a node to itself
+};
+
+// Of an interpolated pose: the tracker's own, and how far the path may have bent between its two
+// poses.
+Matrix6d interpolated_covariance(const PoseGraphConfig& config, const TrackAnswer& answer);
+
+class PoseGraph {
+ public:
+  explicit PoseGraph(PoseGraphConfig config = {});
+
+  void set_robot(const RobotModel& robot);
+  void add_node(const NodeInput& node);
+  void add_pose(const PoseInput& pose);
+  void add_odometry(std::int64_t utime_us, const SE3& T_odom_base);
+  void add_loop(const NodeId& from, const NodeId& to, const SE3& T_from_to,
+                const Matrix6d& covariance);
+  void finish();  // the input has ended: place and say what still waits, then solve
+
+  // Nodes that are new or moved (more than 1 mm or 0.1 mrad) since the last call; grows the
+  // revision when there are any.
+  std::vector<std::pair<NodeId, GraphNode>> take_changes();
+  std::vector<PoseOutput> take_poses();
+
+  std::int64_t revision() const { return revision_; }
+  std::int64_t newest_utime_us() const { return newest_utime_us_; }
+  const GraphNodes& nodes() const { return nodes_; }
+  const std::vector<GraphEdge>& edges() const { return edges_; }
+  const PoseGraphCounts& counts() const { return counts_; }
+
+ private:
+  struct Hang {  // where a track that starts anew is put
+    GraphEdge edge;
+    bool counts_as_restart = false;
+  };
+
+  void settle();
+  bool place_nodes();
+  bool place(const NodeInput& node);
+  void put(const NodeInput& node, const SE3& T_map_base);
+  std::optional<Hang> hang(const NodeInput& node) const;
+  std::optional<Hang> hang_on_other_sensor(const NodeInput& node) const;
+  Hang hang_on_last_known(const NodeInput& node) const;
+  bool may_still_come(NodeKind sensor, std::int64_t utime_us) const;
+  bool tie_keyframes();
+  bool take_loops();
+  void refine_window();
+  void solve(const std::set<NodeId>& moving);
+  void say_poses();
+  PoseOutput said(const PoseInput& pose) const;
+  std::optional<PoseOutput> bridged(const PoseInput& pose) const;
+
+  PoseTrack& track(NodeKind sensor) { return sensor == NodeKind::kLidar ? lidar_ : visual_; }
+  const PoseTrack& track(NodeKind sensor) const {
+    return sensor == NodeKind::kLidar ? lidar_ : visual_;
+  }
+  bool known(const NodeId& id) const { return nodes_.count(id) > 0; }
+
+  PoseGraphConfig config_;
+  std::optional<RobotModel> robot_;
+  GraphNodes nodes_;
+  std::vector<GraphEdge> edges_;
+  std::set<std::pair<std::int64_t, NodeId>> by_time_;
+  PoseTrack visual_;
+  PoseTrack lidar_;
+  PoseTrack odometry_;
+
+  std::map<std::pair<std::int64_t, NodeId>, NodeInput> waiting_nodes_;
+  std::set<std::pair<std::int64_t, NodeId>> waiting_ties_;
+  std::vector<GraphEdge> waiting_loops_;
+  std::deque<PoseInput> waiting_poses_;
+  bool finishing_ = false;
+
+  std::int64_t newest_utime_us_ = 0;
+  std::int64_t revision_ = 0;
+  GraphNodes taken_;  // as last handed out
+  std::set<NodeId> changed_;
+  std::vector<PoseOutput> poses_;
+  std::optional<PoseOutput> last_pose_;
+  PoseGraphCounts counts_;
+};
+
+}  // namespace fusion_slam

@@ -1,0 +1,45 @@
+// The pose graph on the bus: its inputs to PoseGraph, GRAPH and POSE out.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bot_core/pose_t.hpp"
+#include "fusion_slam/command_t.hpp"
+#include "fusion_slam/constraint_t.hpp"
+#include "fusion_slam/graph_node_t.hpp"
+#include "fusion_slam/keyframe_t.hpp"
+#include "fusion_slam/lidar_node_t.hpp"
+#include "fusion_slam/pose_estimate_t.hpp"
+#include "fusion_slam/robot_model_t.hpp"
+#include "libs/bus/bus.hpp"
+#include "services/pose_graph/pose_graph.hpp"
+
+namespace fusion_slam {
+
+class PoseGraphProcess {
+ public:
+  explicit PoseGraphProcess(Bus& bus);
+
+ private:
+  void on_robot(const robot_model_t& message);
+  void on_keyframe(const keyframe_t& message);
+  void on_lidar_node(const lidar_node_t& message);
+  void on_pose(NodeKind sensor, const pose_estimate_t& message);
+  void on_odometry(const bot_core::pose_t& message);
+  void on_constraint(const constraint_t& message);
+  void on_command(const command_t& message);
+
+  void publish_news();
+  void publish_complete();
+  void publish_graph(const std::vector<graph_node_t>& nodes, bool complete);
+  void publish_pose(const PoseOutput& pose);
+  void reject(const char* channel, const char* why);
+  void say_state();
+
+  Bus& bus_;
+  PoseGraph graph_;
+  std::int64_t last_complete_ = 0;  // revision
+};
+
+}  // namespace fusion_slam
