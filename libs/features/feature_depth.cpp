@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <opencv2/calib3d.hpp>
 #include <vector>
+
+#include <opencv2/calib3d.hpp>
 
 namespace fusion_slam {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+
 #include <opencv2/imgproc.hpp>
 
 namespace fusion_slam {
@@ -10,7 +11,8 @@ namespace {
 
 constexpr int kPatchRadius_px = 15;  // orientation and descriptor look this far
 constexpr int kMargin_px = 19;       // rotated patch corners and FAST's ring stay inside
-constexpr int kCornersPerCell = 4;   // cells are made so large that a fully textured image fills its quota so
+constexpr int kCornersPerCell =
+    4;  // cells are made so large that a fully textured image fills its quota so
 
 // Half-width of the disc of radius kPatchRadius_px at each row.
 std::array<int, kPatchRadius_px + 1> disc_half_widths() {
@@ -20,7 +22,8 @@ std::array<int, kPatchRadius_px + 1> disc_half_widths() {
   return widths;
 }
 
-// Direction from a corner to the intensity centroid of the disc around it (Rosin 1999), degrees 0 .. 360.
+// Direction from a corner to the intensity centroid of the disc around it (Rosin 1999), degrees 0
+// .. 360.
 float centroid_angle_deg(const cv::Mat& image, const cv::Point2f& corner) {
   static const std::array<int, kPatchRadius_px + 1> half_widths = disc_half_widths();
   const int cx = cvRound(corner.x);
@@ -63,7 +66,8 @@ std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& found, const c
   for (auto& cell : cells) {
     std::sort(cell.begin(), cell.end(), stronger);
     for (std::size_t k = 0; k < cell.size(); ++k) {
-      if (k > 0 && cell[k].response < usual_response) break;  // weak ones only where nothing else is
+      if (k > 0 && cell[k].response < usual_response)
+        break;  // weak ones only where nothing else is
       if (ranks.size() <= k) ranks.resize(k + 1);
       ranks[k].push_back(cell[k]);
     }
@@ -84,7 +88,8 @@ std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& found, const c
 }  // namespace
 
 OrbExtractor::OrbExtractor(const OrbConfig& config) : config_(config) {
-  // Equally dense in the pyramid's own "length": quota ~ 1 / scale, so that near views keep their share.
+  // Equally dense in the pyramid's own "length": quota ~ 1 / scale, so that near views keep their
+  // share.
   double total = 0.0;
   for (int i = 0; i < config_.n_levels; ++i) {
     scales_.push_back(std::pow(config_.scale_factor, i));
@@ -116,13 +121,15 @@ std::vector<cv::KeyPoint> OrbExtractor::corners(const cv::Mat& level, int quota)
 
 FeatureSet OrbExtractor::extract(const cv::Mat& grey) const {
   FeatureSet result;
-  // OpenCV's rBRIEF on one level at a time, so that corners and descriptors come from the same pyramid.
+  // OpenCV's rBRIEF on one level at a time, so that corners and descriptors come from the same
+  // pyramid.
   const cv::Ptr<cv::ORB> describe = cv::ORB::create(config_.n_features, 1.2F, 1, 1);
   cv::Mat level = grey;
   for (int octave = 0; octave < config_.n_levels; ++octave) {
     if (octave > 0) {
       cv::Mat smaller;
-      const cv::Size size(cvRound(grey.cols / scales_[octave]), cvRound(grey.rows / scales_[octave]));
+      const cv::Size size(cvRound(grey.cols / scales_[octave]),
+                          cvRound(grey.rows / scales_[octave]));
       if (size.width < 1 || size.height < 1) break;
       cv::resize(level, smaller, size, 0, 0, cv::INTER_LINEAR);
       level = smaller;

@@ -1,8 +1,9 @@
 #include "libs/features/pose_refiner.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Cholesky>
 
 namespace fusion_slam {
 namespace {
@@ -111,8 +112,7 @@ RefinedPose refine_pose(const CameraModel& camera, const std::vector<Corresponde
     result.n_inliers = 0;
     for (std::size_t i = 0; i < matches.size(); ++i) {
       Eigen::Vector3d r;
-      const bool ahead =
-          pose_residual(camera, matches[i], result.T_reference_camera, &r, nullptr);
+      const bool ahead = pose_residual(camera, matches[i], result.T_reference_camera, &r, nullptr);
       result.inlier[i] = ahead && r.squaredNorm() <= gate(matches[i], config);
       if (!result.inlier[i]) continue;
       ++result.n_inliers;
@@ -130,6 +130,14 @@ RefinedPose refine_pose(const CameraModel& camera, const std::vector<Corresponde
     result.covariance = ldlt.solve(Matrix6d::Identity()) * std::max(1.0, result.mean_chi2);
   if (!result.covariance.allFinite()) result.covariance = Matrix6d::Identity();
   return result;
+}
+
+Matrix6d in_base_axes(const Matrix6d& covariance_camera, const SE3& T_base_camera) {
+  Matrix6d adjoint = Matrix6d::Zero();
+  adjoint.topLeftCorner<3, 3>() = T_base_camera.linear();
+  adjoint.topRightCorner<3, 3>() = skew(T_base_camera.translation()) * T_base_camera.linear();
+  adjoint.bottomRightCorner<3, 3>() = T_base_camera.linear();
+  return adjoint * covariance_camera * adjoint.transpose();
 }
 
 }  // namespace fusion_slam

@@ -43,4 +43,8 @@ bool pose_residual(const CameraModel& camera, const Correspondence& match,
 RefinedPose refine_pose(const CameraModel& camera, const std::vector<Correspondence>& matches,
                         const SE3& guess_T_reference_camera, const RefineConfig& config = {});
 
+// The covariance of a camera's motion, told in the axes of the robot's base: xi_base =
+// Ad(T_base_camera) xi_camera.
+Matrix6d in_base_axes(const Matrix6d& covariance_camera, const SE3& T_base_camera);
+
 }  // namespace fusion_slam

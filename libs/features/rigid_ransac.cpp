@@ -1,15 +1,16 @@
 #include "libs/features/rigid_ransac.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
+
+#include <Eigen/Geometry>
 
 namespace fusion_slam {
 namespace {
 
 constexpr double kMinTriangle_m2 = 1e-3;  // twice the area of the smallest useful sample
-constexpr double kMaxStretch_m = 0.10;    // two ends of a sample's side may differ by this plus noise
+constexpr double kMaxStretch_m = 0.10;  // two ends of a sample's side may differ by this plus noise
 
 // T_reference_camera from three pairs; nothing when they are no rigid motion of each other.
 std::optional<SE3> pose_of_three(const Eigen::Matrix3d& in_camera,
@@ -36,7 +37,8 @@ std::vector<int> inliers_of(const CameraModel& camera, const std::vector<Corresp
     const Correspondence& m = matches[i];
     const Eigen::Vector3d p_camera = T_camera_reference * m.p_reference;
     if (p_camera.z() < 0.05) continue;
-    if ((camera.project(p_camera) - m.pixel).norm() > config.inlier_sigmas * m.pixel_sigma) continue;
+    if ((camera.project(p_camera) - m.pixel).norm() > config.inlier_sigmas * m.pixel_sigma)
+      continue;
     if (m.depth_m > 0.0 && std::abs(p_camera.z() - m.depth_m) >
                                config.depth_sigmas * m.depth_sigma_m + 0.02 * m.depth_m)
       continue;

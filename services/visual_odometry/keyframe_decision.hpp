@@ -15,6 +15,7 @@ struct KeyframeEvidence {
   int n_inliers_at_keyframe = 0;  // in the first frame after the last keyframe
 };
 
-KeyframeReason decide_keyframe(const KeyframeEvidence& evidence, const VisualOdometryConfig& config);
+KeyframeReason decide_keyframe(const KeyframeEvidence& evidence,
+                               const VisualOdometryConfig& config);
 
 }  // namespace fusion_slam

@@ -1,12 +1,13 @@
 #include "services/visual_odometry/local_map.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
+
+#include <Eigen/LU>
 
 namespace fusion_slam {
 namespace {
 
-constexpr int kTrialFrames = 15;        // a point is judged after it should have been seen this often
+constexpr int kTrialFrames = 15;  // a point is judged after it should have been seen this often
 constexpr double kMinFoundRatio = 0.25;  // Mur-Artal et al. 2015, section VI-B
 
 }  // namespace
@@ -45,8 +46,8 @@ void LocalMap::add_keyframe(std::int64_t id, const CameraModel& camera, const SE
       const Eigen::Matrix3d gained =
           observation_information(camera, T_odom_camera, p_camera, pixel_sigma * scale);
       const Eigen::Matrix3d total = point.information + gained;
-      point.p_odom =
-          total.ldlt().solve(point.information * point.p_odom + gained * (T_odom_camera * p_camera));
+      point.p_odom = total.ldlt().solve(point.information * point.p_odom +
+                                        gained * (T_odom_camera * p_camera));
       point.information = total;
     }
     const Eigen::Vector3d to_camera = T_odom_camera.translation() - point.p_odom;
@@ -61,8 +62,7 @@ void LocalMap::add_keyframe(std::int64_t id, const CameraModel& camera, const SE
   for (auto it = points_.begin(); it != points_.end();) {
     const MapPoint& point = it->second;
     const bool old = point.last_keyframe < keyframes_.front();
-    const bool poor =
-        point.visible >= kTrialFrames && point.found < kMinFoundRatio * point.visible;
+    const bool poor = point.visible >= kTrialFrames && point.found < kMinFoundRatio * point.visible;
     it = old || poor ? points_.erase(it) : std::next(it);
   }
 }

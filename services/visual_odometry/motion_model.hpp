@@ -9,7 +9,8 @@ namespace fusion_slam {
 
 class MotionModel {
  public:
-  // Where the camera is at utime if it keeps its velocity; the last pose when too long ago or unknown.
+  // Where the camera is at utime if it keeps its velocity; the last pose when too long ago or
+  // unknown.
   SE3 predict(std::int64_t utime_us) const;
   void update(std::int64_t utime_us, const SE3& T_odom_camera);
   // The next prediction is this pose: after a loss the velocity is unknown.

@@ -16,8 +16,7 @@ struct Best {
 
 // A feature's depth that can't be this point's, whatever the guess.
 bool other_depth(const CameraModel& camera, const Feature& f, double z_m) {
-  return f.depth_m > 0.0F &&
-         std::abs(f.depth_m - z_m) > 0.08 * z_m + 4.0 * camera.depth_sigma(z_m);
+  return f.depth_m > 0.0F && std::abs(f.depth_m - z_m) > 0.08 * z_m + 4.0 * camera.depth_sigma(z_m);
 }
 
 }  // namespace

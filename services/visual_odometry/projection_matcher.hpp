@@ -18,12 +18,13 @@ struct MapMatch {
 };
 
 struct ProjectionMatches {
-  std::vector<MapMatch> matches;       // each point and each feature at most once; ascending in feature
-  std::vector<std::int64_t> in_view;   // points that should be seen from the guessed pose
+  std::vector<MapMatch> matches;  // each point and each feature at most once; ascending in feature
+  std::vector<std::int64_t> in_view;  // points that should be seen from the guessed pose
 };
 
-// Points in front of the camera, inside the image, seen from within 60 degrees of where they were last seen, matched to
-// the most similar feature within radius_px * scale, of a fitting octave and depth.
+// Points in front of the camera, inside the image, seen from within 60 degrees of where they were
+// last seen, matched to the most similar feature within radius_px * scale, of a fitting octave and
+// depth.
 ProjectionMatches match_by_projection(const LocalMap& map, const CameraModel& camera,
                                       const SE3& guess_T_odom_camera, const FeatureSet& set,
                                       const FeatureGrid& grid,

@@ -31,8 +31,7 @@ std::optional<SE3> relocalise(const LocalMap& map, const CameraModel& camera, co
   if (!found) return std::nullopt;
   std::vector<Correspondence> agreed;
   for (const int i : found->inliers) agreed.push_back(correspondences[i]);
-  const RefinedPose refined =
-      refine_pose(camera, agreed, found->T_reference_camera, config.refine);
+  const RefinedPose refined = refine_pose(camera, agreed, found->T_reference_camera, config.refine);
   if (refined.n_inliers < config.ransac.min_inliers) return std::nullopt;
   return refined.T_reference_camera;
 }

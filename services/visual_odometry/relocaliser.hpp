@@ -9,7 +9,8 @@
 
 namespace fusion_slam {
 
-// T_odom_camera of the frame whose features these are; nothing when no pose explains enough matches. Deterministic.
+// T_odom_camera of the frame whose features these are; nothing when no pose explains enough
+// matches. Deterministic.
 std::optional<SE3> relocalise(const LocalMap& map, const CameraModel& camera, const FeatureSet& set,
                               const std::vector<double>& scale_of_octave,
                               const VisualOdometryConfig& config);

@@ -1,6 +1,7 @@
 #include "services/visual_odometry/visual_odometry.hpp"
 
 #include <algorithm>
+
 #include <opencv2/imgproc.hpp>
 
 #include "libs/features/feature_depth.hpp"
@@ -9,15 +10,6 @@
 
 namespace fusion_slam {
 namespace {
-
-// Covariance of a motion in the camera's axes, told in the axes of base: xi_base = Ad(T_base_camera) xi_camera.
-Matrix6d in_base_axes(const Matrix6d& covariance, const SE3& T_base_camera) {
-  Matrix6d adjoint = Matrix6d::Zero();
-  adjoint.topLeftCorner<3, 3>() = T_base_camera.linear();
-  adjoint.topRightCorner<3, 3>() = skew(T_base_camera.translation()) * T_base_camera.linear();
-  adjoint.bottomRightCorner<3, 3>() = T_base_camera.linear();
-  return adjoint * covariance * adjoint.transpose();
-}
 
 double median_depth(const FeatureSet& set) {
   std::vector<float> depths;
@@ -94,7 +86,8 @@ FeatureSet VisualOdometry::see(const RgbdFrame& frame) const {
   return set;
 }
 
-// A wide search around the guess, then a narrow one around what it gave; nothing when too little agrees.
+// A wide search around the guess, then a narrow one around what it gave; nothing when too little
+// agrees.
 std::optional<VisualOdometry::Estimate> VisualOdometry::track_map(const SE3& guess,
                                                                   const FeatureSet& set,
                                                                   double radius_px) const {
@@ -157,7 +150,8 @@ TrackingResult VisualOdometry::tracked(std::int64_t utime_us, const Estimate& es
   return result;
 }
 
-// Nothing tracked: says so, and after a while (at once when there was no map) starts a new segment at the last pose.
+// Nothing tracked: says so, and after a while (at once when there was no map) starts a new segment
+// at the last pose.
 TrackingResult VisualOdometry::lost(std::int64_t utime_us, FeatureSet set) {
   motion_.restart(utime_us, T_odom_camera_);
   TrackingResult result;

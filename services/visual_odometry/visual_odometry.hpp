@@ -46,8 +46,8 @@ class VisualOdometry {
   VisualOdometry(const CameraModel& camera, const SE3& T_base_camera,
                  const VisualOdometryConfig& config = {});
 
-  // Tracks one frame. Frames must come in order of utime; a frame that is older than the last, empty or not of the
-  // camera's size gives state kUnknown with the reason and changes nothing.
+  // Tracks one frame. Frames must come in order of utime; a frame that is older than the last,
+  // empty or not of the camera's size gives state kUnknown with the reason and changes nothing.
   TrackingResult track(const RgbdFrame& frame);
 
   // Forgets the map; the next frame starts a new segment at the last pose.
@@ -62,12 +62,14 @@ class VisualOdometry {
 
   std::string refuse(const RgbdFrame& frame) const;  // why not; empty: good
   FeatureSet see(const RgbdFrame& frame) const;
-  std::optional<Estimate> track_map(const SE3& guess, const FeatureSet& set, double radius_px) const;
+  std::optional<Estimate> track_map(const SE3& guess, const FeatureSet& set,
+                                    double radius_px) const;
   Estimate estimate_pose(const SE3& guess, const FeatureSet& set, const FeatureGrid& grid,
                          double radius_px) const;
   TrackingResult tracked(std::int64_t utime_us, const Estimate& estimate, FeatureSet set);
   TrackingResult lost(std::int64_t utime_us, FeatureSet set);
-  void add_keyframe(const Estimate& estimate, bool connected, FeatureSet set, TrackingResult* result);
+  void add_keyframe(const Estimate& estimate, bool connected, FeatureSet set,
+                    TrackingResult* result);
   void fill_pose(const SE3& T_odom_camera, TrackingResult* result) const;
 
   VisualOdometryConfig config_;
@@ -77,8 +79,8 @@ class VisualOdometry {
   std::vector<double> scales_;
   MotionModel motion_;
   LocalMap map_;
-  SE3 T_odom_camera_ = SE3::Identity();      // last pose
-  SE3 T_odom_keyframe_ = SE3::Identity();    // camera pose of the last keyframe
+  SE3 T_odom_camera_ = SE3::Identity();    // last pose
+  SE3 T_odom_keyframe_ = SE3::Identity();  // camera pose of the last keyframe
   std::int64_t keyframe_id_ = 0;
   int inliers_at_keyframe_ = 0;
   bool fresh_keyframe_ = false;

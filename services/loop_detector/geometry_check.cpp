@@ -1,0 +1,90 @@
+#include "services/loop_detector/geometry_check.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "libs/features/correspondence.hpp"
+#include "libs/features/feature_grid.hpp"
+
+namespace fusion_slam {
+namespace {
+
+Correspondence correspond(const CameraModel& camera, const Feature& older, const Feature& newer,
+                          const LoopDetectorConfig& config) {
+  Correspondence c;
+  c.p_reference = camera.unproject(older.u_px, older.v_px, older.depth_m);
+  c.pixel = {newer.u_px, newer.v_px};
+  c.pixel_sigma = config.pixel_sigma * std::pow(config.scale_factor, newer.octave);
+  c.depth_m = newer.depth_m;
+  // Both ends are measured.
+  c.depth_sigma_m =
+      std::hypot(camera.depth_sigma(newer.depth_m), camera.depth_sigma(older.depth_m));
+  return c;
+}
+
+std::vector<Correspondence> by_descriptor(const CameraModel& camera, const FeatureSet& older,
+                                          const FeatureSet& newer,
+                                          const LoopDetectorConfig& config) {
+  std::vector<float> angles_older;
+  std::vector<float> angles_newer;
+  for (const Feature& f : older.features) angles_older.push_back(f.angle_rad);
+  for (const Feature& f : newer.features) angles_newer.push_back(f.angle_rad);
+  std::vector<Correspondence> result;
+  for (const Match& m :
+       keep_common_rotation(match_mutual(older.descriptors, newer.descriptors, config.matching),
+                            angles_older, angles_newer))
+    if (older.features[m.a].depth_m > 0.0F)
+      result.push_back(correspond(camera, older.features[m.a], newer.features[m.b], config));
+  return result;
+}
+
+// Each older feature with depth is looked for where the pose puts it; each newer one is used once.
+std::vector<Correspondence> guided(const CameraModel& camera, const FeatureSet& older,
+                                   const FeatureSet& newer, const SE3& T_older_newer,
+                                   const LoopDetectorConfig& config) {
+  const FeatureGrid grid(newer.features, camera.width_px, camera.height_px);
+  const SE3 T_newer_older = T_older_newer.inverse();
+  std::vector<Match> of_newer(newer.size(), Match{-1, 0, config.matching.max_distance + 1});
+  std::vector<int> nearby;
+  for (std::size_t i = 0; i < older.size(); ++i) {
+    const Feature& f = older.features[i];
+    if (f.depth_m <= 0.0F) continue;
+    const Eigen::Vector3d p = T_newer_older * camera.unproject(f.u_px, f.v_px, f.depth_m);
+    if (p.z() < 0.1) continue;
+    const Eigen::Vector2d pixel = camera.project(p);
+    grid.near(pixel.x(), pixel.y(),
+              config.guided_radius_px * std::pow(config.scale_factor, f.octave), 0, 127, &nearby);
+    for (const int j : nearby) {
+      const int distance = hamming(older.descriptors[i], newer.descriptors[j]);
+      if (distance < of_newer[j].distance) of_newer[j] = {static_cast<int>(i), j, distance};
+    }
+  }
+  std::vector<Correspondence> result;
+  for (const Match& m : of_newer)
+    if (m.a >= 0)
+      result.push_back(correspond(camera, older.features[m.a], newer.features[m.b], config));
+  return result;
+}
+
+}  // namespace
+
+GeometryCheck check_geometry(const CameraModel& camera, const FeatureSet& older,
+                             const FeatureSet& newer, const LoopDetectorConfig& config) {
+  GeometryCheck result;
+  const std::vector<Correspondence> matches = by_descriptor(camera, older, newer, config);
+  result.n_matches = static_cast<int>(matches.size());
+  const auto found = find_pose(camera, matches, config.ransac);
+  if (!found) return result;
+  std::vector<Correspondence> agreed;
+  for (const int i : found->inliers) agreed.push_back(matches[i]);
+  const RefinedPose rough = refine_pose(camera, agreed, found->T_reference_camera, config.refine);
+  const RefinedPose fine =
+      refine_pose(camera, guided(camera, older, newer, rough.T_reference_camera, config),
+                  rough.T_reference_camera, config.refine);
+  result.n_inliers = fine.n_inliers;
+  result.T_older_newer = fine.T_reference_camera;
+  result.covariance = fine.covariance;
+  return result;
+}
+
+}  // namespace fusion_slam

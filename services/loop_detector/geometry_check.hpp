@@ -1,0 +1,23 @@
+// Stage 2: is there one rigid motion that puts the features of two keyframes on top of each other?
+#pragma once
+
+#include "libs/camera/camera_model.hpp"
+#include "libs/features/feature.hpp"
+#include "libs/geometry/pose.hpp"
+#include "services/loop_detector/config.hpp"
+
+namespace fusion_slam {
+
+struct GeometryCheck {
+  int n_matches = 0;  // by descriptor alone
+  int n_inliers = 0;
+  SE3 T_older_newer = SE3::Identity();         // camera to camera
+  Matrix6d covariance = Matrix6d::Identity();  // of it, in the newer camera's axes
+};
+
+// Matches by descriptor, RANSAC, search again around the pose found, refinement. n_inliers 0: no
+// pose. Deterministic.
+GeometryCheck check_geometry(const CameraModel& camera, const FeatureSet& older,
+                             const FeatureSet& newer, const LoopDetectorConfig& config);
+
+}  // namespace fusion_slam

@@ -1,0 +1,131 @@
+#include "services/visual_odometry/visual_odometry_process.hpp"
+
+#include <string>
+
+#include "fusion_slam/graph_node_t.hpp"
+#include "fusion_slam/keyframe_image_t.hpp"
+#include "fusion_slam/keyframe_t.hpp"
+#include "fusion_slam/pose_estimate_t.hpp"
+#include "libs/camera_messages/images.hpp"
+#include "libs/messages/convert.hpp"
+#include "libs/messages/models.hpp"
+
+namespace fusion_slam {
+namespace {
+
+std::int8_t state_on_the_wire(TrackingState state) {
+  if (state == TrackingState::kOk) return pose_estimate_t::OK;
+  if (state == TrackingState::kWeak) return pose_estimate_t::WEAK;
+  if (state == TrackingState::kLost) return pose_estimate_t::LOST;
+  return pose_estimate_t::UNKNOWN;
+}
+
+std::string state_text(const TrackingResult& result) {
+  const std::string count = std::to_string(result.n_matched) + " features matched, keyframe " +
+                            std::to_string(result.reference_id);
+  if (result.state == TrackingState::kOk) return "tracking: " + count;
+  const std::string state = result.state == TrackingState::kWeak ? "weak: " : "lost: ";
+  return state + result.reason + " (" + count + ")";
+}
+
+}  // namespace
+
+VisualOdometryProcess::VisualOdometryProcess(Bus& bus, VisualOdometryConfig config)
+    : bus_(bus), config_(std::move(config)) {
+  cv::setNumThreads(
+      1);  // one frame has little to share out, and the other processes need the cores
+  bus_.subscribe<camera_model_t>("CAMERA_MODEL", Policy::kLatestOnly,
+                                 [this](const camera_model_t& m) { on_camera_model(m); });
+  bus_.subscribe<robot_model_t>("ROBOT_MODEL", Policy::kLatestOnly,
+                                [this](const robot_model_t& m) { on_robot_model(m); });
+  bus_.subscribe<bot_core::images_t>("CAMERA", Policy::kLatestOnly,
+                                     [this](const bot_core::images_t& m) { on_camera(m); });
+  bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
+                            [this](const command_t& m) { on_command(m); });
+  bus_.set_state_text("waiting for CAMERA_MODEL, ROBOT_MODEL and CAMERA");
+}
+
+void VisualOdometryProcess::on_camera_model(const camera_model_t& message) {
+  if (camera_) return;
+  std::string why;
+  camera_ = from_message(message, &why);
+  if (!camera_) bus_.report_error("CAMERA_MODEL refused: " + why);
+}
+
+void VisualOdometryProcess::on_robot_model(const robot_model_t& message) {
+  if (T_base_camera_) return;
+  std::string why;
+  const std::optional<RobotModel> robot = from_message(message, &why);
+  if (!robot) return bus_.report_error("ROBOT_MODEL refused: " + why);
+  T_base_camera_ = robot->T_base_camera;
+}
+
+void VisualOdometryProcess::on_command(const command_t& message) {
+  const bool for_us = message.target.empty() || message.target == "visual_odometry";
+  if (for_us && message.verb == "reset" && odometry_) odometry_->reset();
+}
+
+void VisualOdometryProcess::on_camera(const bot_core::images_t& message) {
+  if (!odometry_) {
+    if (!camera_ || !T_base_camera_)
+      return bus_.report_error("CAMERA ignored: no CAMERA_MODEL or ROBOT_MODEL yet");
+    odometry_ = std::make_unique<VisualOdometry>(*camera_, *T_base_camera_, config_);
+  }
+  std::string why;
+  const std::optional<RgbdFrame> frame = from_message(message, &why);
+  if (!frame) return bus_.report_error("CAMERA refused: " + why);
+  const TrackingResult result = odometry_->track(*frame);
+  if (result.state == TrackingState::kUnknown)
+    return bus_.report_error("CAMERA refused: " + result.reason);
+  if (result.keyframe) publish_keyframe(*result.keyframe, message);
+  publish_pose(result);
+  bus_.set_state_text(state_text(result));
+}
+
+void VisualOdometryProcess::publish_pose(const TrackingResult& result) {
+  pose_estimate_t message{};
+  message.utime = result.utime_us;
+  message.frame = "odom";
+  message.T_frame_base = to_message(result.T_odom_base, result.utime_us);
+  to_message(result.covariance, message.covariance);
+  message.state = state_on_the_wire(result.state);
+  message.reason = result.reason;
+  message.reference_kind = result.reference_id > 0 ? graph_node_t::KEYFRAME : std::int8_t{-1};
+  message.reference_id = result.reference_id;
+  message.T_reference_base = to_message(result.T_reference_base, result.utime_us);
+  message.fix_utime = result.fix_utime_us;
+  message.n_matched = result.n_matched;
+  bus_.publish("VISUAL_POSE", std::move(message));
+}
+
+void VisualOdometryProcess::publish_keyframe(const Keyframe& keyframe,
+                                             const bot_core::images_t& images) {
+  keyframe_t message{};
+  message.utime = keyframe.utime_us;
+  message.id = keyframe.id;
+  message.T_odom_base = to_message(keyframe.T_odom_base, keyframe.utime_us);
+  message.previous_id = keyframe.previous_id;
+  message.T_previous_base = to_message(keyframe.T_previous_base, keyframe.utime_us);
+  to_message(keyframe.covariance, message.covariance);
+  const FeatureSet& set = keyframe.features;
+  message.n = static_cast<std::int32_t>(set.size());
+  message.n_descriptor_bytes = static_cast<std::int32_t>(set.size() * kDescriptorBytes);
+  message.descriptors.resize(set.size() * kDescriptorBytes);
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const Feature& f = set.features[i];
+    message.u_px.push_back(f.u_px);
+    message.v_px.push_back(f.v_px);
+    message.depth_m.push_back(f.depth_m);
+    message.angle_rad.push_back(f.angle_rad);
+    message.octave.push_back(f.octave);
+    descriptor_to_bytes(set.descriptors[i], message.descriptors.data() + i * kDescriptorBytes);
+  }
+  bus_.publish("KEYFRAME", std::move(message));
+  keyframe_image_t image{};
+  image.utime = keyframe.utime_us;
+  image.id = keyframe.id;
+  image.images = images;
+  bus_.publish("KEYFRAME_IMAGE", std::move(image));
+}
+
+}  // namespace fusion_slam

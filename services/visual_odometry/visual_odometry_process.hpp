@@ -1,0 +1,38 @@
+// Visual odometry on the bus: CAMERA in; VISUAL_POSE, KEYFRAME and KEYFRAME_IMAGE out.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "bot_core/images_t.hpp"
+#include "fusion_slam/camera_model_t.hpp"
+#include "fusion_slam/command_t.hpp"
+#include "fusion_slam/robot_model_t.hpp"
+#include "libs/bus/bus.hpp"
+#include "services/visual_odometry/visual_odometry.hpp"
+
+namespace fusion_slam {
+
+// Starts tracking with the first frame after CAMERA_MODEL and ROBOT_MODEL; both are taken once:
+// what they say later is not looked at until the process starts again. COMMAND reset starts a new
+// segment.
+class VisualOdometryProcess {
+ public:
+  explicit VisualOdometryProcess(Bus& bus, VisualOdometryConfig config = {});
+
+ private:
+  void on_camera_model(const camera_model_t& message);
+  void on_robot_model(const robot_model_t& message);
+  void on_camera(const bot_core::images_t& message);
+  void on_command(const command_t& message);
+  void publish_pose(const TrackingResult& result);
+  void publish_keyframe(const Keyframe& keyframe, const bot_core::images_t& images);
+
+  Bus& bus_;
+  VisualOdometryConfig config_;
+  std::optional<CameraModel> camera_;
+  std::optional<SE3> T_base_camera_;
+  std::unique_ptr<VisualOdometry> odometry_;
+};
+
+}  // namespace fusion_slam

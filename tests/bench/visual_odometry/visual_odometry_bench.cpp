@@ -1,0 +1,122 @@
+// Runs visual odometry and loop detection on a 7-Scenes or TUM RGB-D directory without any bus:
+// trajectory, states, and time per frame on one core. Not a test: figures for people.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include "libs/datasets/rgbd_dataset.hpp"
+#include "services/loop_detector/loop_detector.hpp"
+#include "services/visual_odometry/visual_odometry.hpp"
+
+namespace fs = fusion_slam;
+
+namespace {
+
+void write_pose(std::ofstream& file, std::int64_t utime_us, const fs::SE3& T) {
+  const Eigen::Quaterniond q(T.linear());
+  char line[256];
+  std::snprintf(line, sizeof line, "%.6f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", utime_us * 1e-6,
+                T.translation().x(), T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(),
+                q.w());
+  file << line;
+}
+
+double quantile(std::vector<double> values, double fraction) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(fraction * (values.size() - 1))];
+}
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Visual odometry on a directory of RGB-D images"};
+  std::string directory;
+  std::string out = "estimate.tum";
+  std::string reference;
+  bool tum = false;
+  bool verbose = false;
+  std::size_t every = 1;
+  app.add_option("directory", directory)->required();
+  app.add_option("--out", out, "trajectory of the camera, TUM format");
+  app.add_option("--reference", reference, "also write the reference, TUM format");
+  app.add_flag("--tum", tum, "TUM RGB-D instead of 7-Scenes");
+  app.add_flag("--verbose", verbose, "a line for each keyframe, loss and loop candidate");
+  app.add_option("--every", every, "use each n-th frame only");
+  CLI11_PARSE(app, argc, argv);
+
+  cv::setNumThreads(1);
+  const fs::RgbdDataset dataset =
+      tum ? fs::open_tum_rgbd(directory) : fs::open_seven_scenes(directory);
+  if (!reference.empty()) {
+    std::ofstream file(reference);
+    for (const auto& pose : dataset.reference)
+      write_pose(file, pose.utime_us, pose.T_world_reference);
+  }
+  fs::VisualOdometry odometry(dataset.camera, fs::SE3::Identity());
+  fs::LoopDetector detector(dataset.camera, fs::SE3::Identity());
+  std::ofstream file(out);
+  std::vector<double> odometry_ms;
+  std::vector<double> detector_ms;
+  std::vector<double> matched;
+  int states[4] = {};
+  int keyframes = 0;
+  int candidates = 0;
+  int geometric = 0;
+  for (std::size_t i = 0; i < dataset.entries.size(); i += every) {
+    std::string why;
+    const auto frame = fs::load_frame(dataset, i, &why);
+    if (!frame) {
+      std::printf("frame %zu: %s\n", i, why.c_str());
+      continue;
+    }
+    auto start = std::chrono::steady_clock::now();
+    const fs::TrackingResult result = odometry.track(*frame);
+    odometry_ms.push_back(ms_since(start));
+    matched.push_back(result.n_matched);
+    ++states[static_cast<int>(result.state)];
+    const bool usable =
+        result.state == fs::TrackingState::kOk || result.state == fs::TrackingState::kWeak;
+    if (usable) write_pose(file, result.utime_us, result.T_odom_base);
+    if (verbose && result.state != fs::TrackingState::kOk)
+      std::printf("frame %zu: state %d, %s\n", i, static_cast<int>(result.state),
+                  result.reason.c_str());
+    if (!result.keyframe) continue;
+    ++keyframes;
+    const fs::Keyframe& k = *result.keyframe;
+    if (verbose)
+      std::printf("frame %zu: keyframe %lld, %d matched, %zu features\n", i,
+                  static_cast<long long>(k.id), result.n_matched, k.features.size());
+    start = std::chrono::steady_clock::now();
+    const auto found = detector.add({k.id, k.utime_us, k.T_odom_base, k.features});
+    detector_ms.push_back(ms_since(start));
+    for (const fs::LoopCandidate& c : found) {
+      ++candidates;
+      geometric += c.stages[1].passed ? 1 : 0;
+      if (!verbose) continue;
+      std::printf("  %lld -> %lld:", static_cast<long long>(c.to_id),
+                  static_cast<long long>(c.from_id));
+      for (const fs::StageVerdict& s : c.stages)
+        std::printf(" %s %.3f/%.3f %s;", s.stage.c_str(), s.score, s.threshold,
+                    s.passed ? "yes" : "no");
+      std::printf("\n");
+    }
+  }
+  std::printf("%zu frames: ok %d weak %d lost %d refused %d; %d keyframes, median %.0f matched\n",
+              odometry_ms.size(), states[1], states[2], states[3], states[0], keyframes,
+              quantile(matched, 0.5));
+  std::printf("odometry ms a frame: median %.1f p95 %.1f max %.1f\n", quantile(odometry_ms, 0.5),
+              quantile(odometry_ms, 0.95), quantile(odometry_ms, 1.0));
+  std::printf("loop detector: %d candidates, %d geometric; ms a keyframe: median %.1f max %.1f\n",
+              candidates, geometric, quantile(detector_ms, 0.5), quantile(detector_ms, 1.0));
+  return 0;
+}
