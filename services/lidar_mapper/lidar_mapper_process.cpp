@@ -26,7 +26,7 @@ void planar_covariance(const Eigen::Matrix3d& planar, double* out) {
   to_message(full, out);
 }
 
-pose_estimate_t to_message(const LidarPose& pose) {
+pose_estimate_t pose_message(const LidarPose& pose) {
   pose_estimate_t m{};
   m.utime = pose.utime_us;
   m.frame = "odom";
@@ -44,7 +44,7 @@ pose_estimate_t to_message(const LidarPose& pose) {
   return m;
 }
 
-lidar_node_t to_message(const LidarNode& node) {
+lidar_node_t node_message(const LidarNode& node) {
   lidar_node_t m{};
   m.utime = node.utime_us;
   m.id = node.id;
@@ -148,8 +148,8 @@ void LidarMapperProcess::handle_scans(std::int64_t utime_us) {
 }
 
 void LidarMapperProcess::publish(const MapperOutput& output) {
-  if (output.node) bus_.publish("LIDAR_NODE", to_message(*output.node));
-  if (output.pose) bus_.publish("LIDAR_POSE", to_message(*output.pose));
+  if (output.node) bus_.publish("LIDAR_NODE", node_message(*output.node));
+  if (output.pose) bus_.publish("LIDAR_POSE", pose_message(*output.pose));
   publish(output.tiles);
 }
 
