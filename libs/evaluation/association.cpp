@@ -59,7 +59,7 @@ std::vector<Match> associate(const Trajectory& reference, const Trajectory& esti
   if (searched.empty()) return matches;
   for (std::size_t i = 0; i < driving.size(); ++i) {
     const std::size_t j = nearest_in_time(searched, driving[i].time_s);
-    if (std::abs(searched[j].time_s - driving[i].time_s) > max_diff_s) continue;
+    if (!(std::abs(searched[j].time_s - driving[i].time_s) <= max_diff_s)) continue;  // NaN: none
     matches.push_back(reference_drives ? Match{i, j} : Match{j, i});
   }
   return matches;
