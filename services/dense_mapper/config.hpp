@@ -1,0 +1,34 @@
+// What the dense mapper can be told. Resolution, height band and camera noise come with ROBOT_MODEL
+// and CAMERA_MODEL; these are constants with a reason.
+#pragma once
+
+#include <cstdint>
+
+namespace fusion_slam {
+
+struct DenseMapperConfig {
+  // --- depth to points
+  int stride_px = 4;     // every 4th pixel: 2 points a voxel of 5 cm at 4 m
+  int edge_step_px = 2;  // flying pixels lie within about 2 px of an edge
+  double edge_sigmas =
+      4.0;  // a second difference of inverse depth beyond this many of its own sigmas is an edge
+
+  // --- occupancy (OctoMap's own sensor model and bounds, Hornung et al. 2013)
+  double probability_hit = 0.7;
+  double probability_miss = 0.4;
+  double log_odds_min = -2.0;
+  double log_odds_max = 3.5;
+  double free_margin_sigmas = 2.0;  // a ray says "free" only this far in front of its end
+
+  // --- submaps
+  std::int64_t keyframes_per_submap =
+      5;  // about 1-2 m of path: rigid enough, and few enough anchors
+  double slack_voxels =
+      0.5;  // a submap is placed anew when the graph moved a point of it by more than this
+  std::size_t max_waiting = 512;  // keyframes without a pose in the graph; about 200 KB each
+
+  // --- publishing
+  int keyframes_per_publication = 5;
+};
+
+}  // namespace fusion_slam

@@ -1,0 +1,90 @@
+// Dense mapping (Yu et al. 2025, section 2.2, threads 4 to 6): keyframe depth -> filtered cloud ->
+// OctoMap submaps by ray casting -> global cloud, OctoMap and raster. Submaps hang on keyframes of
+// the pose graph: when the graph moves them, the global map is composed again and no image is
+// integrated twice. The order in which keyframes and poses arrive does not matter. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "libs/camera/camera_model.hpp"
+#include "libs/camera/rgbd_frame.hpp"
+#include "libs/grid/tiled_grid.hpp"
+#include "libs/robot/robot_model.hpp"
+#include "libs/submaps/changed_tiles.hpp"
+#include "services/dense_mapper/compose.hpp"
+#include "services/dense_mapper/config.hpp"
+#include "services/dense_mapper/depth_cloud.hpp"
+#include "services/dense_mapper/level.hpp"
+
+namespace fusion_slam {
+
+struct DenseTiles {
+  std::vector<Tile> octomap;  // map frame
+  std::vector<Tile> cloud;    // map frame
+  std::vector<Tile> grid;  // levelled map frame (level(); the map frame itself for a planar robot)
+};
+
+class DenseMapper {
+ public:
+  DenseMapper(const CameraModel& camera, const RobotModel& robot, const DenseMapperConfig& config);
+
+  // Id 1, 2, 3 ... False: the image does not fit the camera model, or this id came before; ignored.
+  bool add_keyframe(std::int64_t id, const RgbdFrame& frame);
+  // Where the graph has a keyframe's base now.
+  void set_pose(std::int64_t id, const SE3& T_map_base);
+  // Integrates what waits for poses. To be called after each batch of add_keyframe and set_pose.
+  void integrate_ready();
+
+  // True when enough is new to publish again: keyframes, or anchors that moved by more than the
+  // slack.
+  bool due() const;
+  // place -> level -> compose OctoMap, cloud, raster: the tiles that changed, revisions set.
+  // `exact` places submaps without slack: for the final map.
+  DenseTiles update(bool exact);
+
+  const Level& level() const { return level_; }
+  std::size_t waiting() const { return waiting_.size(); }
+  std::size_t integrated() const { return integrated_.size(); }
+  std::int64_t dropped() const { return dropped_; }  // waited too long, see max_waiting
+
+ private:
+  struct Changes {                                        // since the last update()
+    std::map<std::int64_t, std::set<BlockIndex>> blocks;  // by submap
+    int keyframes = 0;
+  };
+  std::int64_t submap_of(std::int64_t keyframe_id) const;
+  bool needs_placing(std::int64_t id, const DenseSubmap& submap, double slack_m) const;
+  void integrate(std::int64_t keyframe_id, std::int64_t submap_id, const DepthCloud& cloud);
+  void place_submaps(bool exact);
+  void level_map(bool exact);
+  void mark(const DenseSubmap& submap, const BlockIndex& block);
+  void mark_all(const DenseSubmap& submap);
+  void compose_octomap(std::vector<Tile>* out);
+  void compose_clouds(std::vector<Tile>* out);
+  void compose_grid(std::vector<Tile>* out);
+
+  CameraModel camera_;
+  RobotModel robot_;
+  DenseMapperConfig config_;
+  std::map<std::int64_t, SE3> T_map_base_;      // of keyframes, by the graph
+  std::map<std::int64_t, DepthCloud> waiting_;  // for a pose
+  std::set<std::int64_t> integrated_;
+  DenseSubmaps submaps_;
+  Level level_;
+  bool levelled_ = false;
+  std::size_t level_keyframes_ = 0;  // keyframes behind level_
+  Changes changes_;
+  std::set<TileKey> dirty_octomap_;
+  std::set<TileKey> dirty_cloud_;
+  std::set<TileIndex> dirty_grid_;
+  ChangedTiles octomap_tiles_;
+  ChangedTiles cloud_tiles_;
+  ChangedTiles grid_tiles_;
+  std::int64_t newest_us_ = 0;
+  std::int64_t dropped_ = 0;
+};
+
+}  // namespace fusion_slam

@@ -1,0 +1,124 @@
+#include "services/dense_mapper/dense_mapper_process.hpp"
+
+#include <string>
+
+#include "libs/camera_messages/images.hpp"
+#include "libs/messages/convert.hpp"
+#include "libs/messages/models.hpp"
+
+namespace fusion_slam {
+namespace {
+
+constexpr std::size_t kMaxEarlyImages = 64;  // models come at 1 Hz, keyframes at a few Hz
+
+}  // namespace
+
+DenseMapperProcess::DenseMapperProcess(Bus& bus)
+    : bus_(bus),
+      octomap_out_(bus, "OCTOMAP"),
+      cloud_out_(bus, "CLOUD"),
+      grid_out_(bus, "GRID_VISUAL") {
+  bus.subscribe<camera_model_t>("CAMERA_MODEL", Policy::kLatestOnly,
+                                [this](const camera_model_t& m) { on_camera_model(m); });
+  bus.subscribe<robot_model_t>("ROBOT_MODEL", Policy::kLatestOnly,
+                               [this](const robot_model_t& m) { on_robot_model(m); });
+  bus.subscribe<keyframe_image_t>("KEYFRAME_IMAGE", Policy::kKeepAll,
+                                  [this](const keyframe_image_t& m) { on_keyframe_image(m); });
+  bus.subscribe<graph_t>("GRAPH", Policy::kKeepAll, [this](const graph_t& m) { on_graph(m); });
+  bus.subscribe<command_t>("COMMAND", Policy::kKeepAll,
+                           [this](const command_t& m) { on_command(m); });
+  bus.set_state_text("waiting for CAMERA_MODEL and ROBOT_MODEL");
+}
+
+void DenseMapperProcess::on_camera_model(const camera_model_t& message) {
+  if (camera_) return;  // a session has one camera
+  std::string why;
+  camera_ = from_message(message, &why);
+  if (!camera_) bus_.report_error("CAMERA_MODEL: " + why);
+  start_when_ready();
+}
+
+void DenseMapperProcess::on_robot_model(const robot_model_t& message) {
+  if (robot_) return;
+  std::string why;
+  robot_ = from_message(message, &why);
+  if (!robot_) bus_.report_error("ROBOT_MODEL: " + why);
+  start_when_ready();
+}
+
+void DenseMapperProcess::start_when_ready() {
+  if (mapper_ || !camera_ || !robot_) return;
+  mapper_ = std::make_unique<DenseMapper>(*camera_, *robot_, DenseMapperConfig{});
+  for (const graph_t& graph : early_graph_) set_poses(graph);
+  for (const keyframe_image_t& image : early_images_) add_keyframe(image);
+  early_graph_.clear();
+  early_images_.clear();
+  integrate_and_publish();
+}
+
+void DenseMapperProcess::on_keyframe_image(const keyframe_image_t& message) {
+  if (!mapper_) {
+    early_images_.push_back(message);
+    if (early_images_.size() > kMaxEarlyImages) {
+      early_images_.pop_front();
+      bus_.report_error(
+          "KEYFRAME_IMAGE: no CAMERA_MODEL and ROBOT_MODEL yet, oldest image dropped");
+    }
+    return;
+  }
+  add_keyframe(message);
+  integrate_and_publish();
+}
+
+void DenseMapperProcess::add_keyframe(const keyframe_image_t& message) {
+  std::string why;
+  const auto frame = from_message(message.images, &why);
+  if (!frame) {
+    bus_.report_error("KEYFRAME_IMAGE " + std::to_string(message.id) + ": " + why);
+    return;
+  }
+  if (!mapper_->add_keyframe(message.id, *frame))
+    bus_.report_error("KEYFRAME_IMAGE " + std::to_string(message.id) +
+                      ": not the size CAMERA_MODEL says, or an id that came before");
+}
+
+void DenseMapperProcess::on_graph(const graph_t& message) {
+  if (!mapper_) {
+    early_graph_.push_back(message);
+    return;
+  }
+  set_poses(message);
+  if (message.part + 1 >= message.n_parts) integrate_and_publish();
+}
+
+void DenseMapperProcess::set_poses(const graph_t& message) {
+  for (const graph_node_t& node : message.nodes) {
+    if (node.kind != graph_node_t::KEYFRAME) continue;
+    const auto T_map_base = from_message(node.T_map_base);
+    if (T_map_base)
+      mapper_->set_pose(node.id, *T_map_base);
+    else
+      bus_.report_error("GRAPH: pose of keyframe " + std::to_string(node.id) + " is not a pose");
+  }
+}
+
+void DenseMapperProcess::on_command(const command_t& message) {
+  if (message.verb != "finish") return;
+  if (!message.target.empty() && message.target != "dense_mapper") return;
+  finished_ = true;
+  if (mapper_) integrate_and_publish();
+}
+
+void DenseMapperProcess::integrate_and_publish() {
+  mapper_->integrate_ready();
+  if (finished_ || mapper_->due()) {
+    const DenseTiles tiles = mapper_->update(finished_);
+    for (const Tile& tile : tiles.octomap) octomap_out_.publish(tile);
+    for (const Tile& tile : tiles.cloud) cloud_out_.publish(tile);
+    for (const Tile& tile : tiles.grid) grid_out_.publish(tile);
+  }
+  bus_.set_state_text(std::to_string(mapper_->integrated()) + " keyframes mapped, " +
+                      std::to_string(mapper_->waiting()) + " wait for a pose");
+}
+
+}  // namespace fusion_slam
