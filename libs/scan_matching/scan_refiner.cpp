@@ -10,14 +10,23 @@
 namespace fusion_slam {
 namespace {
 
-// J^T J of the points' residuals alone.
-Eigen::Matrix3d point_information(const OccupancyCost& cost, const double* pose) {
+// J^T J of the points' residuals alone, averaged over poses half a cell around: at the very top of
+// a ridge the slope is 0 although the wall fixes the pose well.
+Eigen::Matrix3d point_information(const OccupancyCost& cost, const double* pose,
+                                  double half_cell_m) {
   const int n = cost.num_residuals();
   Eigen::VectorXd residuals(n);
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> jacobian(n, 3);
   double* blocks[] = {jacobian.data()};
-  cost.Evaluate(&pose, residuals.data(), blocks);
-  return jacobian.transpose() * jacobian;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const double dx : {-half_cell_m, half_cell_m})
+    for (const double dy : {-half_cell_m, half_cell_m}) {
+      const double moved[3] = {pose[0] + dx, pose[1] + dy, pose[2]};
+      const double* parameters[] = {moved};
+      cost.Evaluate(parameters, residuals.data(), blocks);
+      sum += jacobian.transpose() * jacobian;
+    }
+  return sum / 4.0;
 }
 
 double weakest_sigma(const Eigen::Matrix3d& information) {
@@ -56,7 +65,8 @@ RefinedMatch refine_match(const Raster& raster, const Points& points_base, const
   RefinedMatch match;
   match.T_grid_base = {pose[0], pose[1], wrap_angle(pose[2])};
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  if (!points_base.empty()) information = point_information(points_cost, pose);
+  if (!points_base.empty())
+    information = point_information(points_cost, pose, 0.5 * raster.resolution_m());
   match.weakest_sigma_m = weakest_sigma(information);
   information(0, 0) += 1.0 / (prior.sigma_linear_m * prior.sigma_linear_m);
   information(1, 1) += 1.0 / (prior.sigma_linear_m * prior.sigma_linear_m);

@@ -1,0 +1,98 @@
+#include "libs/scan_matching/correlative_matcher.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/libs/scan_matching/drawn_room.hpp"
+
+namespace fusion_slam {
+namespace {
+
+// The same question, answered by trying everything.
+double best_score_by_force(const Raster& raster, const Points& points, const SE2& predicted,
+                           const SearchWindow& window) {
+  const double res = raster.resolution_m();
+  const int radius = static_cast<int>(std::ceil(window.linear_m / res - 1e-9));
+  const int half =
+      static_cast<int>(std::ceil(window.angular_rad / angular_step(points, res) - 1e-9));
+  double best = -1.0;
+  for (int a = -half; a <= half; ++a)
+    for (int dx = -radius; dx <= radius; ++dx)
+      for (int dy = -radius; dy <= radius; ++dy) {
+        const SE2 T{predicted.x, predicted.y, predicted.yaw + a * window.angular_rad / half};
+        double sum = 0.0;
+        for (const auto& p : points) {
+          const Eigen::Vector2d q = T * p;
+          sum += match_byte(raster.at(static_cast<int>(std::floor(q.x() / res)) + dx,
+                                      static_cast<int>(std::floor(q.y() / res)) + dy)) /
+                 255.0;
+        }
+        const auto square = [](double v) { return v * v; };
+        best = std::max(best, sum / static_cast<double>(points.size()) -
+                                  window.edge_penalty * (square(static_cast<double>(dx) / radius) +
+                                                         square(static_cast<double>(dy) / radius) +
+                                                         square(static_cast<double>(a) / half)));
+      }
+  return best;
+}
+
+TEST(CorrelativeMatcher, FindsWhatBruteForceFinds) {
+  const Raster raster = room_raster(0.1);
+  const SearchPyramid pyramid(raster);
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  for (int i = 0; i < 12; ++i) {
+    const SE2 truth{u(rng), 0.5 * u(rng), 3.0 * u(rng)};
+    const Points points = room_points(truth, 60, 0.03, static_cast<std::uint32_t>(i));
+    const SE2 predicted = truth * SE2{0.4 * u(rng), 0.4 * u(rng), 0.2 * u(rng)};
+    SearchWindow window;
+    window.linear_m = i % 3 == 0 ? 2.0 : 0.3 + 0.1 * i;
+    window.angular_rad = 0.25;
+    const auto match = match_correlative(pyramid, points, predicted, window, 0.0);
+    ASSERT_TRUE(match);
+    EXPECT_NEAR(match->score, best_score_by_force(raster, points, predicted, window), 1e-9);
+  }
+}
+
+TEST(CorrelativeMatcher, LandsWithinACellOfTheTruth) {
+  const Raster raster = room_raster();
+  const SearchPyramid pyramid(raster);
+  const SE2 truth{0.63, -0.31, 0.9};
+  const Points points = room_points(truth, 150, 0.01, 3);
+  for (const SE2& offset : {SE2{0.15, -0.1, 0.2}, SE2{-0.9, 0.8, -0.6}}) {
+    SearchWindow window;
+    window.linear_m = 1.5;
+    window.angular_rad = 1.0;
+    const auto match = match_correlative(pyramid, points, truth * offset, window, 0.3);
+    ASSERT_TRUE(match);
+    EXPECT_NEAR(match->T_grid_base.x, truth.x, 0.06);
+    EXPECT_NEAR(match->T_grid_base.y, truth.y, 0.06);
+    EXPECT_NEAR(wrap_angle(match->T_grid_base.yaw - truth.yaw), 0.0, 0.03);
+  }
+}
+
+TEST(CorrelativeMatcher, SaysNothingBelowTheScoreAskedForOrWithoutPoints) {
+  const SearchPyramid pyramid(room_raster());
+  const Points far = {{50, 50}, {51, 50}, {52, 51}};
+  EXPECT_FALSE(match_correlative(pyramid, far, {}, {}, 0.5));
+  EXPECT_FALSE(match_correlative(pyramid, {}, {}, {}, 0.0));
+  const SearchPyramid nothing((Raster(0.05, kUnknownCell)));
+  EXPECT_FALSE(match_correlative(nothing, far, {}, {}, 0.2));
+}
+
+TEST(CorrelativeMatcher, AmongEqualsTheOneNearThePredictionWins) {
+  Raster corridor(0.05, kUnknownCell);
+  draw_line(corridor, {-20, 1}, {20, 1}, cell_from_probability(0.9));
+  draw_line(corridor, {-20, -1}, {20, -1}, cell_from_probability(0.9));
+  Points points;
+  for (int i = -30; i <= 30; ++i) points.insert(points.end(), {{0.1 * i, 1.01}, {0.1 * i, -0.99}});
+  const auto match =
+      match_correlative(SearchPyramid(corridor), points, {2.0, 0.1, 0.0}, {0.5, 0.3, 0.05}, 0.0);
+  ASSERT_TRUE(match);
+  EXPECT_NEAR(match->T_grid_base.x, 2.0, 1e-9);
+  EXPECT_NEAR(match->T_grid_base.y, 0.0, 0.051);
+}
+
+}  // namespace
+}  // namespace fusion_slam
