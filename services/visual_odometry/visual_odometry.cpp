@@ -177,7 +177,6 @@ TrackingResult VisualOdometry::lost(std::int64_t utime_us, FeatureSet set) {
   if (first) here.covariance = Matrix6d::Identity() * 1e-12;  // odom begins here
   result.covariance = in_base_axes(here.covariance, T_base_camera_);
   result.n_matched = usable;
-  inliers_at_keyframe_ = usable;
   add_keyframe(here, false, std::move(set), &result);
   fill_pose(T_odom_camera_, &result);
   return result;
@@ -199,7 +198,7 @@ void VisualOdometry::add_keyframe(const Estimate& estimate, bool connected, Feat
   }
   keyframe_id_ = keyframe.id;
   T_odom_keyframe_ = T_odom_camera_;
-  fresh_keyframe_ = connected;
+  fresh_keyframe_ = true;
   map_.add_keyframe(keyframe.id, camera_, T_odom_camera_, set, scales_, config_.pixel_sigma,
                     point_of_feature, config_.local_map_keyframes);
   keyframe.features = std::move(set);
