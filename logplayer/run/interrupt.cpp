@@ -1,0 +1,23 @@
+#include "logplayer/run/interrupt.hpp"
+
+#include <csignal>
+
+namespace fusion_slam {
+namespace {
+
+volatile std::sig_atomic_t count = 0;
+
+void on_interrupt(int) { count = count + 1; }
+
+}  // namespace
+
+void watch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+int interrupts() { return count; }
+
+}  // namespace fusion_slam

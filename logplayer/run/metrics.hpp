@@ -1,0 +1,22 @@
+// metrics.json: what a run cost and, where there is a reference, how good it was.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "logplayer/replay/conductor.hpp"
+#include "logplayer/run/options.hpp"
+#include "logplayer/run/playback.hpp"
+
+namespace fusion_slam {
+
+// Latency, CPU and memory of each process; messages, drops and losses by channel and in total.
+nlohmann::ordered_json process_metrics(const std::map<std::string, status_t>& peers);
+nlohmann::ordered_json channel_metrics(const std::map<std::string, status_t>& peers,
+                                       const std::map<std::string, std::int64_t>& counts);
+
+// ape_rmse_m, rpe_rmse_m and their kin from OUT/trajectory.tum against OUT/groundtruth.tum,
+// relations_* against the relations file; only the fields for which there is a reference. What
+// can't be computed is said in "evaluation_problem".
+nlohmann::ordered_json accuracy_metrics(const RunOptions& options);
+
+}  // namespace fusion_slam

@@ -1,0 +1,48 @@
+#include "logplayer/run/options.hpp"
+
+#include <map>
+
+#include <CLI/CLI.hpp>
+
+namespace fusion_slam {
+
+const std::vector<std::string>& service_names() {
+  static const std::vector<std::string> kNames{"visual_odometry", "lidar_mapper", "loop_detector",
+                                               "pose_graph",      "dense_mapper", "fuser"};
+  return kNames;
+}
+
+std::optional<RunOptions> parse_run_options(int argc, char** argv, int* exit_code) {
+  RunOptions options;
+  options.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  CLI::App app{"run: replays a log through all services and leaves a trajectory and maps"};
+  app.add_option("LOG", options.log, "an LCM log (`fusion-slam import` makes one)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--out", options.out, "folder for the results, made when missing")->required();
+  const std::map<std::string, Mode> modes{{"lockstep", Mode::kLockstep},
+                                          {"throughput", Mode::kThroughput}};
+  app.add_option("--mode", options.mode,
+                 "lockstep: two runs give identical bytes; throughput: faster, not identical")
+      ->transform(CLI::CheckedTransformer(modes))
+      ->default_str("lockstep");
+  app.add_option("--lcm-url", options.lcm_url,
+                 "use this LCM network, where others can listen, instead of a private one");
+  app.add_option("--max-events", options.most_events, "stop after this many sensor events")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--relations", options.relations,
+                 "score the trajectory against these relations (Kuemmerle et al. 2009)")
+      ->check(CLI::ExistingFile);
+  app.add_option("--time-offset", options.relations_time_offset_s,
+                 "seconds added to the trajectory's times to get the relations' times");
+  app.add_flag("!--no-session", options.keep_session, "don't record session.lcmlog");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    *exit_code = app.exit(error) == 0 ? 0 : 2;
+    return std::nullopt;
+  }
+  return options;
+}
+
+}  // namespace fusion_slam

@@ -1,0 +1,31 @@
+// What `fusion-slam run` was asked to do.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libs/bus/policy.hpp"
+
+namespace fusion_slam {
+
+struct RunOptions {
+  std::filesystem::path log;
+  std::filesystem::path out;
+  Mode mode = Mode::kLockstep;
+  std::string lcm_url;                   // empty: a private network
+  std::int64_t most_events = 0;          // sensor events to play; 0: all
+  std::filesystem::path relations;       // reference relations (Kuemmerle et al. 2009), optional
+  double relations_time_offset_s = 0.0;  // added to the trajectory's times
+  bool keep_session = true;              // record session.lcmlog
+  std::filesystem::path programs;        // where the services' programs are
+};
+
+// The processes of a run, in the order they are started; each is a program of that name.
+const std::vector<std::string>& service_names();
+
+// Parses the command line. Nothing: exit with *exit_code (help was shown, or the usage was wrong).
+std::optional<RunOptions> parse_run_options(int argc, char** argv, int* exit_code);
+
+}  // namespace fusion_slam

@@ -1,0 +1,31 @@
+// The log's sensor events, one after the other, through the conductor.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "logplayer/replay/conductor.hpp"
+#include "logplayer/run/progress.hpp"
+
+namespace fusion_slam {
+
+struct PlaybackResult {
+  std::map<std::string, std::int64_t> played;  // events by channel
+  std::int64_t repeats_skipped = 0;
+  std::int64_t first_utime_us = 0;  // log time
+  std::int64_t last_utime_us = 0;
+  std::string damage;  // the log ended early, and why; empty: it was whole
+  bool interrupted = false;
+};
+
+// Plays up to most_events (0: all). `on_event` is told of each event played. Stops early, without
+// an error, when interrupts() is not 0. Errors of the conductor (a process died, no progress) go
+// through.
+PlaybackResult play_log(const std::filesystem::path& log, std::int64_t most_events,
+                        Conductor& conductor, Progress& progress,
+                        const std::function<void(const LogEvent&)>& on_event);
+
+}  // namespace fusion_slam

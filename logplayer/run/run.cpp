@@ -1,0 +1,157 @@
+#include "logplayer/run/run.hpp"
+
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <thread>
+
+#include "libs/bus/process.hpp"
+#include "libs/bus/transport.hpp"
+#include "libs/process/private_network.hpp"
+#include "logplayer/run/crew.hpp"
+#include "logplayer/run/interrupt.hpp"
+#include "logplayer/run/listener.hpp"
+#include "logplayer/run/metrics.hpp"
+#include "logplayer/run/playback.hpp"
+
+namespace fusion_slam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+constexpr int kStart_s = 30;
+
+class Interrupted : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Outcome {
+  PlaybackResult playback;
+  SessionResult session;
+  std::map<std::string, status_t> peers;
+  std::map<std::string, std::int64_t> counts;
+  std::string problem;  // empty: all went well
+  double wall_s = 0.0;
+};
+
+// The listener is another process to the others: give it the time to hear what was said last.
+void wait_for_listener(const Listener& listener, const Conductor& conductor) {
+  const auto deadline = Clock::now() + std::chrono::seconds(20);
+  while (!listener.has_all(conductor.counts()) && Clock::now() < deadline && interrupts() < 2)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  if (!listener.has_all(conductor.counts()))
+    std::cerr
+        << "run: some of the last messages did not arrive; the maps may lack their last tiles\n";
+}
+
+Outcome replay(const RunOptions& options, const std::string& url) {
+  Outcome outcome;
+  auto transport = std::make_shared<Transport>(url);
+  BusOptions bus_options;
+  bus_options.process = "replay";
+  bus_options.mode = Mode::kThroughput;
+  Bus bus(bus_options, transport);
+  Listener listener(transport);
+  Crew crew(options, url);
+  ConductorOptions conductor_options;
+  conductor_options.mode = options.mode;
+  conductor_options.processes = service_names();
+  int tolerated = 0;
+  Conductor conductor(bus, conductor_options, [&] {
+    crew.check();
+    if (interrupts() > tolerated) throw Interrupted("interrupted");
+  });
+  const auto started = Clock::now();
+  try {
+    conductor.wait_for_processes(kStart_s);
+    tolerated = 1;  // the first Ctrl-C ends the playback, the second ends the waiting
+    Progress progress;
+    outcome.playback =
+        play_log(options.log, options.most_events, conductor, progress,
+                 [&listener](const LogEvent& event) { listener.sensor_event(event); });
+    progress.finish();
+    if (!outcome.playback.damage.empty()) outcome.problem = outcome.playback.damage;
+    if (outcome.playback.interrupted) outcome.problem = "interrupted: the result is partial";
+    conductor.command("finish", outcome.playback.last_utime_us);
+    wait_for_listener(listener, conductor);
+  } catch (const std::exception& error) {
+    outcome.problem = error.what();
+  }
+  outcome.wall_s = std::chrono::duration<double>(Clock::now() - started).count();
+  outcome.peers = conductor.peers();
+  outcome.counts = conductor.counts();
+  crew.stop();
+  outcome.session = listener.write(options.out);
+  return outcome;
+}
+
+void write_metrics(const RunOptions& options, const Outcome& outcome) {
+  const double duration_s =
+      1e-6 * static_cast<double>(outcome.playback.last_utime_us - outcome.playback.first_utime_us);
+  Json json = {{"log", options.log.string()},
+               {"mode", to_string(options.mode)},
+               {"complete", outcome.problem.empty()},
+               {"coverage_percent", outcome.session.coverage_percent}};
+  if (!outcome.problem.empty()) json["problem"] = outcome.problem;
+  json.update(accuracy_metrics(options));
+  json["camera_frames"] = outcome.session.camera_frames;
+  json["lidar_scans"] = outcome.session.lidar_scans;
+  json["trajectory_poses"] = outcome.session.trajectory_poses;
+  json["path_length_m"] = outcome.session.path_length_m;
+  json["map_source"] = outcome.session.map_source;
+  json["free_area_m2"] = outcome.session.free_area_m2;
+  json["occupied_area_m2"] = outcome.session.occupied_area_m2;
+  json["duration_s"] = duration_s;
+  json["wall_s"] = outcome.wall_s;
+  json["real_time_factor"] = outcome.wall_s > 0.0 ? duration_s / outcome.wall_s : 0.0;
+  json["repeated_events_skipped"] = outcome.playback.repeats_skipped;
+  json.update(channel_metrics(outcome.peers, outcome.counts));
+  json["processes"] = process_metrics(outcome.peers);
+  const auto partial = options.out / "metrics.json.partial";
+  {
+    std::ofstream file(partial);
+    file << json.dump(2) << "\n";
+    if (!file) throw std::runtime_error("cannot write " + partial.string());
+  }
+  std::filesystem::rename(partial, options.out / "metrics.json");
+}
+
+void tell(const RunOptions& options, const Outcome& outcome) {
+  std::ifstream file(options.out / "metrics.json");
+  const Json json = Json::parse(file);
+  for (const char* key :
+       {"coverage_percent", "ape_rmse_m", "rpe_rmse_m", "relations_used", "relations_total",
+        "relations_translation_mean_m", "relations_rotation_mean_deg", "evaluation_problem",
+        "duration_s", "wall_s", "real_time_factor", "dropped_total", "lost_total"})
+    if (json.contains(key)) std::cout << "  " << key << ": " << json[key] << "\n";
+  std::cout << "  files in " << options.out.string() << ":";
+  for (const std::string& name : outcome.session.files) std::cout << " " << name;
+  std::cout << " metrics.json\n";
+  for (const auto& missing : outcome.session.missing)
+    std::cout << "  no " << missing.name << ": " << missing.reason << "\n";
+}
+
+}  // namespace
+
+int run_log(const RunOptions& options) {
+  watch_interrupts();
+  std::filesystem::create_directories(options.out);
+  // What an earlier run left would pass for this one's.
+  for (const char* name : {"trajectory.tum", "live.tum", "groundtruth.tum", "map.pgm", "map.yaml",
+                           "map.png", "octomap.bt", "cloud.ply", "metrics.json", "session.lcmlog"})
+    std::filesystem::remove(options.out / name);
+  PrivateNetwork network{options.lcm_url, "the network " + options.lcm_url};
+  if (options.lcm_url.empty()) network = enter_private_network();
+  std::cerr << "run: " << options.log.string() << " in " << to_string(options.mode) << " mode, on "
+            << network.description << "\n";
+  const Outcome outcome = replay(options, network.url);
+  write_metrics(options, outcome);
+  tell(options, outcome);
+  if (outcome.problem.empty()) return 0;
+  std::cerr << "run: " << outcome.problem << "\n";
+  return interrupts() > 0 ? 130 : 1;
+}
+
+}  // namespace fusion_slam
