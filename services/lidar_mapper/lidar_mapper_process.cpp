@@ -26,17 +26,27 @@ void planar_covariance(const Eigen::Matrix3d& planar, double* out) {
   to_message(full, out);
 }
 
+std::int8_t state_code(MatchState state) {
+  switch (state) {
+    case MatchState::kOk:
+      return pose_estimate_t::OK;
+    case MatchState::kWeak:
+      return pose_estimate_t::WEAK;
+    case MatchState::kLost:
+      break;
+  }
+  return pose_estimate_t::LOST;
+}
+
 pose_estimate_t pose_message(const LidarPose& pose) {
   pose_estimate_t m{};
   m.utime = pose.utime_us;
   m.frame = "odom";
   m.T_frame_base = to_message(to_se3(pose.T_odom_base), pose.utime_us);
   planar_covariance(pose.covariance, m.covariance);
-  m.state = pose.state == MatchState::kOk     ? pose_estimate_t::OK
-            : pose.state == MatchState::kWeak ? pose_estimate_t::WEAK
-                                              : pose_estimate_t::LOST;
+  m.state = state_code(pose.state);
   m.reason = pose.reason;
-  m.reference_kind = pose.reference_id != 0 ? graph_node_t::LIDAR : -1;
+  m.reference_kind = graph_node_t::LIDAR;  // a pose without a node is never published
   m.reference_id = pose.reference_id;
   m.T_reference_base = to_message(to_se3(pose.T_reference_base), pose.utime_us);
   m.fix_utime = pose.fix_utime_us;

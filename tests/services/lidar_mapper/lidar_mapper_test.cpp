@@ -1,0 +1,153 @@
+#include "services/lidar_mapper/lidar_mapper.hpp"
+
+#include <map>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include "tests/services/lidar_mapper/flat_world.hpp"
+
+namespace fusion_slam {
+namespace {
+
+struct Drive {
+  std::vector<LidarPose> poses;
+  std::vector<LidarNode> nodes;
+  std::vector<Tile> tiles;
+};
+
+template <class Path, class Before>
+Drive drive(LidarMapper& mapper, const RobotModel& robot, const Path& path, int n, double period_s,
+            const Before& before) {
+  const FlatWorld world;
+  std::mt19937 rng(1);
+  Drive result;
+  for (int i = 0; i < n; ++i) {
+    const double t = i * period_s;
+    const auto utime_us = static_cast<std::int64_t>(t * 1e6) + 1'000'000;
+    before(t, utime_us);
+    const MapperOutput out = mapper.add_scan(sweep(world, robot, path, t, utime_us, 0.01, rng));
+    if (out.pose) result.poses.push_back(*out.pose);
+    if (out.node) result.nodes.push_back(*out.node);
+    result.tiles.insert(result.tiles.end(), out.tiles.begin(), out.tiles.end());
+  }
+  for (Tile& tile : mapper.finish()) result.tiles.push_back(std::move(tile));
+  return result;
+}
+
+const auto kNothing = [](double, std::int64_t) {};
+
+template <class Path>
+double worst_error_m(const Drive& result, const Path& path, double period_s) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < result.poses.size(); ++i) {
+    const SE2 truth = path(0.0).inverse() * path(static_cast<double>(i) * period_s);
+    const SE2& T = result.poses[i].T_odom_base;
+    worst = std::max(worst, std::hypot(T.x - truth.x, T.y - truth.y));
+  }
+  return worst;
+}
+
+TEST(LidarMapper, FollowsAPathWithScansAlone) {
+  const RobotModel robot = test_robot();
+  LidarMapper mapper(robot);
+  const Drive result = drive(mapper, robot, test_path, 200, 0.1, kNothing);
+  ASSERT_EQ(result.poses.size(), 200U);
+  EXPECT_LT(worst_error_m(result, test_path, 0.1), 0.04);
+  EXPECT_EQ(mapper.counts().lost, 0);
+  EXPECT_GT(result.nodes.size(), 20U);
+  EXPECT_LT(result.nodes.size(), 150U);
+}
+
+TEST(LidarMapper, UpsideDownAndSweepingSlowly) {
+  RobotModel robot = test_robot();
+  robot.T_base_lidar = from_xyz_rpy(0.1, 0.0, 0.2, M_PI, 0.0, 0.0);
+  robot.lidar.rate_hz = 5.5;
+  robot.lidar.beam_period_s = 1.0 / 5.5 / 360.0;
+  LidarMapper mapper(robot);
+  const Drive result = drive(mapper, robot, test_path, 110, 1.0 / 5.5, kNothing);
+  EXPECT_LT(worst_error_m(result, test_path, 1.0 / 5.5), 0.06);
+}
+
+TEST(LidarMapper, NodesPosesAndTilesFitTogether) {
+  const RobotModel robot = test_robot();
+  LidarMapper mapper(robot);
+  const Drive result = drive(mapper, robot, test_path, 150, 0.1, kNothing);
+  std::map<std::int64_t, SE2> at;  // node poses
+  for (const LidarNode& node : result.nodes) {
+    EXPECT_EQ(node.id, static_cast<std::int64_t>(at.size()) + 1);
+    EXPECT_EQ(node.previous_id, node.id - 1);
+    if (node.previous_id != 0) {
+      EXPECT_NEAR((at.at(node.previous_id) * node.T_previous_base).x, node.T_odom_base.x, 1e-9);
+      EXPECT_EQ(Eigen::LLT<Eigen::Matrix3d>(node.covariance).info(), Eigen::Success);
+      EXPECT_LT(node.covariance(0, 0), 0.05 * 0.05);
+    }
+    at[node.id] = node.T_odom_base;
+    ASSERT_FALSE(node.submaps.empty());
+    for (const auto& m : node.submaps)
+      EXPECT_NEAR((at.at(m.submap_id) * m.T_submap_base).y, node.T_odom_base.y, 1e-9);
+  }
+  for (const LidarPose& pose : result.poses)
+    EXPECT_NEAR((at.at(pose.reference_id) * pose.T_reference_base).x, pose.T_odom_base.x, 1e-9);
+  // The wall ahead of the start (x = 6 in the world) is occupied in the first submap.
+  const SE2 start = test_path(0.0);
+  TiledGrid first(robot.map_resolution_m);
+  for (const Tile& tile : result.tiles)
+    if (tile.key.submap_id == 1) first.tiles()[{tile.key.x, tile.key.y}] = *decode_grid_tile(tile);
+  int occupied = 0, total = 0;
+  for (double y = -2.5; y < 2.5; y += 0.1, ++total) {
+    const Eigen::Vector2d p = start.inverse() * Eigen::Vector2d(-4.0, y * 0.5 + 1.0);
+    for (int dx = -1; dx <= 1; ++dx)
+      if (first.at(first.cell_of(p.x()) + dx, first.cell_of(p.y())) > 160) {
+        ++occupied;
+        break;
+      }
+  }
+  EXPECT_GT(occupied, total * 8 / 10);
+}
+
+TEST(LidarMapper, StandingStillMakesNoNodes) {
+  const RobotModel robot = test_robot();
+  LidarMapper mapper(robot);
+  const auto still = [](double) { return SE2{0.3, 0.2, 0.1}; };
+  const Drive result = drive(mapper, robot, still, 100, 0.1, kNothing);
+  EXPECT_EQ(result.nodes.size(), 1U);
+  EXPECT_LT(worst_error_m(result, still, 0.1), 0.02);
+}
+
+// The world is a corridor without ends: only odometry knows how far the robot went.
+TEST(LidarMapper, InACorridorOdometryCarriesAndTheVarianceSaysSo) {
+  RobotModel robot = test_robot();
+  robot.lidar.range_max_m = 5.0;
+  FlatWorld corridor;
+  corridor.walls = {{{-90, 1}, {90, 1}}, {{-90, -1.2}, {90, -1.2}}};
+  LidarMapper mapper(robot);
+  std::mt19937 rng(1);
+  const auto path = [](double t) { return SE2{0.4 * t, 0.0, 0.0}; };
+  MapperOutput out;
+  for (int i = 0; i < 60; ++i) {
+    const double t = 0.1 * i;
+    const auto utime_us = static_cast<std::int64_t>(1e6 + t * 1e6);
+    mapper.add_odometry(utime_us, path(t));
+    out = mapper.add_scan(sweep(corridor, robot, path, t, utime_us, 0.01, rng));
+  }
+  EXPECT_NEAR(out.pose->T_odom_base.x, path(5.9).x, 0.15);
+  EXPECT_NEAR(out.pose->T_odom_base.y, 0.0, 0.03);
+  EXPECT_GT(out.pose->covariance(0, 0), 20.0 * out.pose->covariance(1, 1));
+  EXPECT_EQ(out.pose->state, MatchState::kWeak);
+}
+
+TEST(LidarMapper, EqualInputGivesEqualBits) {
+  const RobotModel robot = test_robot();
+  LidarMapper a(robot), b(robot);
+  const Drive first = drive(a, robot, test_path, 80, 0.1, kNothing);
+  const Drive second = drive(b, robot, test_path, 80, 0.1, kNothing);
+  ASSERT_EQ(first.tiles.size(), second.tiles.size());
+  for (std::size_t i = 0; i < first.tiles.size(); ++i)
+    ASSERT_EQ(first.tiles[i].data, second.tiles[i].data);
+  for (std::size_t i = 0; i < first.poses.size(); ++i)
+    ASSERT_EQ(first.poses[i].T_odom_base.x, second.poses[i].T_odom_base.x);
+}
+
+}  // namespace
+}  // namespace fusion_slam
