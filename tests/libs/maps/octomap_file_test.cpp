@@ -1,0 +1,65 @@
+#include "libs/maps/octomap_file.hpp"
+
+#include <random>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <octomap/octomap.h>
+
+#include "tests/libs/maps/test_files.hpp"
+
+namespace fusion_slam {
+namespace {
+
+TEST(OctomapFile, OctomapReadsItAgain) {
+  std::mt19937 rng(3);
+  std::map<TileKey, Tile> tiles;
+  for (const TileKey& key : {TileKey{0, 0, 0, 0}, TileKey{0, -1, 2, -3}}) {
+    VoxelCells cells;
+    cells.fill(kUnknownVoxel);
+    for (int n = 0; n < 3000; ++n)
+      cells[rng() % cells.size()] = static_cast<std::int8_t>(rng() % 2 == 0 ? 60 : -40);
+    tiles[key] = encode_octomap_tile(key, cells, 0.05, 1, 0);
+  }
+  std::string why;
+  const auto bytes = octomap_bt_bytes(tiles, &why);
+  ASSERT_TRUE(bytes) << why;
+  EXPECT_EQ(bytes, octomap_bt_bytes(tiles, &why));
+
+  octomap::OcTree tree(1.0);
+  std::istringstream in(*bytes);
+  ASSERT_EQ(bytes->rfind("# Octomap OcTree binary file\n", 0), 0U);
+  ASSERT_TRUE(tree.readBinary(in));
+  EXPECT_DOUBLE_EQ(tree.getResolution(), 0.05);
+  std::size_t known = 0;
+  for (const auto& [key, tile] : tiles) {
+    const auto voxels = decode_octomap_tile(tile);
+    ASSERT_TRUE(voxels);
+    for (const OctomapVoxel& voxel : *voxels) {
+      const Eigen::Vector3d p = voxel_centre_m(tile, voxel);
+      const auto* node = tree.search(p.x(), p.y(), p.z());
+      ASSERT_NE(node, nullptr);
+      EXPECT_EQ(tree.isNodeOccupied(node), voxel.log_odds > 0.0F);
+      ++known;
+    }
+  }
+  std::size_t volume = 0;  // of all leaves, in voxels
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
+    const auto edge = static_cast<std::size_t>(std::lround(leaf.getSize() / 0.05));
+    volume += edge * edge * edge;
+  }
+  EXPECT_EQ(volume, known);
+}
+
+TEST(OctomapFile, NothingKnownHasAReason) {
+  std::string why;
+  EXPECT_FALSE(octomap_bt_bytes({}, &why));
+  EXPECT_EQ(why, "no voxel of the map is known");
+  Tile damaged;
+  damaged.encoding = TileEncoding::kOctomap;
+  damaged.data = {1, 2, 3};
+  EXPECT_FALSE(octomap_bt_bytes({{TileKey{}, damaged}}, &why));
+}
+
+}  // namespace
+}  // namespace fusion_slam
