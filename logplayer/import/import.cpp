@@ -67,6 +67,9 @@ void show_progress(std::size_t done, std::size_t total, std::ostream* progress) 
 
 ImportSummary run_import(const ImportOptions& options, std::ostream* progress) {
   const Format& format = kFormats.at(options.format);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.source, options.output, ignored))
+    throw DatasetError(options.output.string() + ": is the recording itself; give another OUT");
   RobotConfig config = load_robot(options, format);
   config.robot.has_lidar = format.lidar;
   config.robot.has_camera = !format.lidar;
