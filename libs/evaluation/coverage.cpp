@@ -9,6 +9,36 @@ constexpr double kBridgedPeriods = 3.0;
 // A robot at walking speed is somewhere else after a second without a pose.
 constexpr double kLongestBridge_s = 1.0;
 
+bool has_pose_within(const Trajectory& trajectory, const TimeWindow& window) {
+  return std::any_of(trajectory.begin(), trajectory.end(), [&](const StampedPose& pose) {
+    return window.begin_s <= pose.time_s && pose.time_s <= window.end_s;
+  });
+}
+
+TimeWindow intersection(const TimeWindow& a, const TimeWindow& b) {
+  return {std::max(a.begin_s, b.begin_s), std::min(a.end_s, b.end_s)};
+}
+
+// Takes notice of a time without a pose inside it.
+void count_gap(const TimeWindow& gap, bool bridged, Coverage& coverage) {
+  const TimeWindow inside = intersection(gap, coverage.window);
+  if (inside.length_s() <= 0.0) return;
+  coverage.longest_gap_s = std::max(coverage.longest_gap_s, inside.length_s());
+  if (bridged) {
+    coverage.covered_s += inside.length_s();
+  } else {
+    coverage.lost.push_back(inside);
+  }
+}
+
+double percent_covered(const Coverage& coverage, const Trajectory& estimate) {
+  const double asked_s = coverage.window.length_s();
+  if (asked_s > 0.0) return std::min(100.0, 100.0 * coverage.covered_s / asked_s);
+  return has_pose_within(estimate, coverage.window) ? 100.0 : 0.0;
+}
+
+}  // namespace
+
 double median_period_s(const Trajectory& trajectory) {
   std::vector<double> periods;
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
@@ -21,19 +51,6 @@ double median_period_s(const Trajectory& trajectory) {
   return *middle;
 }
 
-bool has_pose_within(const Trajectory& trajectory, const TimeWindow& window) {
-  return std::any_of(trajectory.begin(), trajectory.end(), [&](const StampedPose& pose) {
-    return window.begin_s <= pose.time_s && pose.time_s <= window.end_s;
-  });
-}
-
-// Share of [from, to] inside the window.
-double clipped_s(const TimeWindow& window, double from_s, double to_s) {
-  return std::max(0.0, std::min(to_s, window.end_s) - std::max(from_s, window.begin_s));
-}
-
-}  // namespace
-
 Coverage compute_coverage(const Trajectory& reference, const Trajectory& estimate,
                           const std::optional<TimeWindow>& window) {
   Coverage coverage;
@@ -42,27 +59,20 @@ Coverage compute_coverage(const Trajectory& reference, const Trajectory& estimat
   } else if (!reference.empty()) {
     coverage.window = {reference.front().time_s, reference.back().time_s};
   }
-  coverage.longest_gap_s = coverage.window.length_s();
-  if (estimate.empty()) return coverage;
+  if (estimate.empty()) {
+    count_gap(coverage.window, false, coverage);
+    return coverage;
+  }
   coverage.allowed_gap_s =
       std::min(kBridgedPeriods * median_period_s(estimate),
                std::max(kLongestBridge_s, kBridgedPeriods * median_period_s(reference)));
-
-  const TimeWindow& asked = coverage.window;
-  coverage.longest_gap_s = std::max(clipped_s(asked, asked.begin_s, estimate.front().time_s),
-                                    clipped_s(asked, estimate.back().time_s, asked.end_s));
+  count_gap({coverage.window.begin_s, estimate.front().time_s}, false, coverage);
   for (std::size_t i = 1; i < estimate.size(); ++i) {
-    const double from_s = estimate[i - 1].time_s;
-    const double to_s = estimate[i].time_s;
-    const double inside_s = clipped_s(asked, from_s, to_s);
-    coverage.longest_gap_s = std::max(coverage.longest_gap_s, inside_s);
-    if (to_s - from_s <= coverage.allowed_gap_s) coverage.covered_s += inside_s;
+    const TimeWindow gap{estimate[i - 1].time_s, estimate[i].time_s};
+    count_gap(gap, gap.length_s() <= coverage.allowed_gap_s, coverage);
   }
-  if (asked.length_s() > 0.0) {
-    coverage.percent = std::min(100.0, 100.0 * coverage.covered_s / asked.length_s());
-  } else if (has_pose_within(estimate, asked)) {
-    coverage.percent = 100.0;
-  }
+  count_gap({estimate.back().time_s, coverage.window.end_s}, false, coverage);
+  coverage.percent = percent_covered(coverage, estimate);
   return coverage;
 }
 

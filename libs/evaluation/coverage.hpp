@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "libs/evaluation/trajectory.hpp"
 
@@ -20,8 +21,9 @@ struct Coverage {
   double percent = 0.0;  // 100 * covered_s / window length
   double covered_s = 0.0;
   double allowed_gap_s = 0.0;
-  double longest_gap_s = 0.0;  // longest time in the window without a pose, its two ends included
-  TimeWindow window;           // what was asked about
+  double longest_gap_s = 0.0;    // longest time in the window without a pose, its two ends included
+  TimeWindow window;             // what was asked about
+  std::vector<TimeWindow> lost;  // the times in it that are not covered, in order
 };
 
 // `window`: the recording's own first and last measurement, when the caller knows them; otherwise
@@ -29,5 +31,8 @@ struct Coverage {
 // pose is at that time.
 Coverage compute_coverage(const Trajectory& reference, const Trajectory& estimate,
                           const std::optional<TimeWindow>& window = std::nullopt);
+
+// Median time between consecutive poses whose times differ; 0 when there are none.
+double median_period_s(const Trajectory& trajectory);
 
 }  // namespace fusion_slam

@@ -8,6 +8,22 @@
 namespace fusion_slam {
 namespace {
 
+// CLI11's own check names the greatest double when it complains.
+const CLI::Validator kAboveZero(
+    [](const std::string& text) {
+      double value = 0.0;
+      const bool good = CLI::detail::lexical_cast(text, value) && value > 0.0;
+      return good ? std::string() : "must be a number above 0, not " + text;
+    },
+    "NUMBER > 0");
+const CLI::Validator kNotNegative(
+    [](const std::string& text) {
+      double value = 0.0;
+      const bool good = CLI::detail::lexical_cast(text, value) && value >= 0.0;
+      return good ? std::string() : "must be a number, 0 or above, not " + text;
+    },
+    "NUMBER >= 0");
+
 template <typename Enum>
 std::map<std::string, Enum> by_name(const std::vector<Enum>& values) {
   std::map<std::string, Enum> names;
@@ -42,7 +58,7 @@ void add_trajectory_options(CLI::App& app, EvalOptions& options, std::vector<dou
              "what is compared: translation (m), rotation (deg), full (|E - I|)");
   app.add_option("--max-diff", options.evaluation.max_diff_s,
                  "poses belong together when their times differ by at most this (s)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(kNotNegative)
       ->capture_default_str();
   app.add_option("--window", window,
                  "times (s) between which coverage is asked for; default: all of the reference")
@@ -54,7 +70,7 @@ void add_trajectory_options(CLI::App& app, EvalOptions& options, std::vector<dou
 
 void add_relative_options(CLI::App& app, EvalOptions& options) {
   app.add_option("--delta", options.relative.delta, "how far apart the two poses of a pair are")
-      ->check(CLI::PositiveNumber)
+      ->check(kAboveZero)
       ->capture_default_str();
   add_choice(app, "--unit", options.relative.unit, kUnits, "unit of delta: frames, m or deg");
   app.add_flag("--all-pairs", options.relative.all_pairs,
@@ -72,7 +88,7 @@ void add_relations_options(CLI::App& app, EvalOptions& options) {
                "take the pose nearest to a relation's time instead of interpolating");
   app.add_option("--max-gap", options.relations.max_gap_s,
                  "relations inside a longer gap of the trajectory are unusable (s)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(kNotNegative)
       ->capture_default_str();
 }
 

@@ -42,11 +42,11 @@ std::string describe_file(const char* role, const std::filesystem::path& file, c
   std::string line = format("  %-10s %s: %zu poses, %.2f s\n", role, file.c_str(),
                             tum.trajectory.size(), span_s(tum.trajectory));
   if (tum.out_of_order > 0) {
-    line += format("  %-10s note: %zu lines were out of the order of time; sorted\n", "",
+    line += format("  %-10s note: not in the order of time in %zu places; sorted\n", "",
                    tum.out_of_order);
   }
   if (tum.repeated > 0) {
-    line += format("  %-10s note: %zu poses repeat the time of the one before\n", "", tum.repeated);
+    line += format("  %-10s note: a time is repeated in %zu places\n", "", tum.repeated);
   }
   return line;
 }

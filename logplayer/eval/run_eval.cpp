@@ -45,8 +45,8 @@ int run_trajectory_error(const EvalOptions& options) {
   if (!result) return fail(result.problem);
   write_json(options.json, to_json(options, reference, estimate, *result));
   if (!options.plot.empty()) {
-    write_png(options.plot,
-              draw_error_plot(*result, reference.trajectory, to_plot_text(options, *result)));
+    write_png(options.plot, draw_error_plot({*result, reference.trajectory, estimate.trajectory,
+                                             to_plot_text(options, *result)}));
   }
   std::cout << to_table(options, reference, estimate, *result);
   return 0;

@@ -13,12 +13,13 @@ namespace fusion_slam {
 using Color = cv::Scalar;  // blue, green, red
 
 namespace colors {
+inline const Color kPaper(255, 255, 255);
 inline const Color kInk(40, 36, 33);
 inline const Color kSoftInk(125, 117, 108);
 inline const Color kGrid(238, 234, 230);
 inline const Color kFrame(190, 182, 175);
 inline const Color kReference(176, 168, 160);
-inline const Color kGap(233, 240, 252);
+inline const Color kGap(214, 226, 250);
 }  // namespace colors
 
 enum class Anchor { kLeft, kCenter, kRight };

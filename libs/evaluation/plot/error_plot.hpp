@@ -18,14 +18,19 @@ struct ErrorPlotText {
   std::string unit;        // "m", "deg" or ""
 };
 
-// `reference` is the whole reference, which the result holds only where it matched. The plane shown
-// is x-y (the top view of a robot's map), unless the trajectory hardly moves along x or y: then the
-// two axes along which it moves most. 1400 x 1240 pixels, BGR.
-cv::Mat draw_error_plot(const TrajectoryError& result, const Trajectory& reference,
-                        const ErrorPlotText& text);
+// What evaluate_ape() or evaluate_rpe() returned, and the two trajectories it was given.
+struct ErrorPlotData {
+  const TrajectoryError& result;
+  const Trajectory& reference;
+  const Trajectory& estimate;
+  ErrorPlotText text;
+};
 
-// Throws FileError (number_rows.hpp) when the file can't be written; a name that doesn't end in
-// .png is refused likewise.
+// The plane shown is x-y (the top view of a robot's map), unless the reference hardly moves along x
+// or y: then the two axes along which it moves most. 1400 x 1240 pixels, BGR.
+cv::Mat draw_error_plot(const ErrorPlotData& data);
+
+// Throws FileError (number_rows.hpp) when the file can't be written.
 void write_png(const std::filesystem::path& file, const cv::Mat& image);
 
 }  // namespace fusion_slam

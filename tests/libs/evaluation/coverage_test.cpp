@@ -34,6 +34,9 @@ TEST(Coverage, LostTimeCountsInFull) {
   const Coverage c = compute_coverage(steady(0.0, 10.1, 0.1), estimate);
   EXPECT_NEAR(c.percent, 79.0, 1e-6);  // from 3.9 to 6.0 there is nothing
   EXPECT_NEAR(c.longest_gap_s, 2.1, 1e-9);
+  ASSERT_EQ(c.lost.size(), 1u);
+  EXPECT_NEAR(c.lost[0].begin_s, 3.9, 1e-9);
+  EXPECT_NEAR(c.lost[0].end_s, 6.0, 1e-9);
 }
 
 TEST(Coverage, TwoMissingPosesAreBridgedThreeAreNot) {
