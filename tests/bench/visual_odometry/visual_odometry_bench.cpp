@@ -52,6 +52,13 @@ int main(int argc, char** argv) {
   app.add_flag("--tum", tum, "TUM RGB-D instead of 7-Scenes");
   app.add_flag("--verbose", verbose, "a line for each keyframe, loss and loop candidate");
   app.add_option("--every", every, "use each n-th frame only");
+  fs::VisualOdometryConfig config;
+  app.add_option("--features", config.orb.n_features, "features of an image");
+  app.add_option("--local-map", config.local_map_keyframes, "keyframes of the local map");
+  app.add_option("--pixel-sigma", config.pixel_sigma, "noise of a corner, px");
+  app.add_option("--radius", config.wide_radius_px, "first search around the prediction, px");
+  app.add_option("--inlier-ratio", config.keyframe_inlier_ratio, "a keyframe below this");
+  app.add_option("--parallax", config.keyframe_parallax, "a keyframe above this");
   CLI11_PARSE(app, argc, argv);
 
   cv::setNumThreads(1);
@@ -62,7 +69,7 @@ int main(int argc, char** argv) {
     for (const auto& pose : dataset.reference)
       write_pose(file, pose.utime_us, pose.T_world_reference);
   }
-  fs::VisualOdometry odometry(dataset.camera, fs::SE3::Identity());
+  fs::VisualOdometry odometry(dataset.camera, fs::SE3::Identity(), config);
   fs::LoopDetector detector(dataset.camera, fs::SE3::Identity());
   std::ofstream file(out);
   std::vector<double> odometry_ms;
