@@ -26,7 +26,9 @@ std::string human_bytes(std::int64_t bytes) {
 
 // 2015-01-22 17:04:05.123456 UTC; just the number when that is no date.
 std::string date(std::int64_t us) {
-  const std::int64_t floor_s = us / 1'000'000 - (us % 1'000'000 < 0 ? 1 : 0);
+  const bool borrow = us % 1'000'000 < 0;
+  const std::int64_t floor_s = us / 1'000'000 - (borrow ? 1 : 0);
+  const std::int64_t fraction_us = us % 1'000'000 + (borrow ? 1'000'000 : 0);
   const auto time = static_cast<std::time_t>(floor_s);
   std::tm parts{};
   char text[64];
@@ -35,7 +37,7 @@ std::string date(std::int64_t us) {
     return std::to_string(us) + " us";
   }
   char fraction[16];
-  std::snprintf(fraction, sizeof fraction, ".%06d UTC", static_cast<int>(us - floor_s * 1'000'000));
+  std::snprintf(fraction, sizeof fraction, ".%06d UTC", static_cast<int>(fraction_us));
   return std::string(text) + fraction;
 }
 
