@@ -7,6 +7,11 @@ namespace fusion_slam {
 namespace {
 
 constexpr double kUnits = 1024.0;
+constexpr std::int32_t kMostPoints = 1'000'000;  // sums stay within 32 bits
+
+std::int32_t offset(double voxels) {
+  return static_cast<std::int32_t>(std::lround(voxels * kUnits));
+}
 
 CloudVoxel voxel_of(const ColouredPoint& point, double resolution_m) {
   const Eigen::Vector3d p = point.p_m.cast<double>() / resolution_m;
@@ -16,9 +21,9 @@ CloudVoxel voxel_of(const ColouredPoint& point, double resolution_m) {
   voxel.y = static_cast<std::int32_t>(corner.y());
   voxel.z = static_cast<std::int32_t>(corner.z());
   voxel.count = 1;
-  voxel.sum_x = std::lround((p.x() - corner.x()) * kUnits);
-  voxel.sum_y = std::lround((p.y() - corner.y()) * kUnits);
-  voxel.sum_z = std::lround((p.z() - corner.z()) * kUnits);
+  voxel.sum_x = offset(p.x() - corner.x());
+  voxel.sum_y = offset(p.y() - corner.y());
+  voxel.sum_z = offset(p.z() - corner.z());
   voxel.sum_r = point.r;
   voxel.sum_g = point.g;
   voxel.sum_b = point.b;
@@ -26,6 +31,7 @@ CloudVoxel voxel_of(const ColouredPoint& point, double resolution_m) {
 }
 
 void merge_into(CloudVoxel* a, const CloudVoxel& b) {
+  if (a->count + b.count > kMostPoints) return;  // the mean is known well enough
   a->count += b.count;
   a->sum_x += b.sum_x;
   a->sum_y += b.sum_y;
@@ -68,8 +74,7 @@ std::vector<ColouredPoint> VoxelCloud::points() const {
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
     const CloudVoxel& voxel = voxels_[i];
     const Eigen::Vector3d corner(voxel.x, voxel.y, voxel.z);
-    const Eigen::Vector3d sum(static_cast<double>(voxel.sum_x), static_cast<double>(voxel.sum_y),
-                              static_cast<double>(voxel.sum_z));
+    const Eigen::Vector3d sum(voxel.sum_x, voxel.sum_y, voxel.sum_z);
     out[i].p_m = ((corner + sum / (kUnits * voxel.count)) * resolution_m_).cast<float>();
     out[i].r = static_cast<std::uint8_t>(voxel.sum_r / voxel.count);
     out[i].g = static_cast<std::uint8_t>(voxel.sum_g / voxel.count);

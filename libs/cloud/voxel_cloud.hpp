@@ -15,12 +15,12 @@ struct CloudVoxel {
   std::int32_t y = 0;
   std::int32_t z = 0;
   std::int32_t count = 0;
-  std::int64_t sum_x = 0;  // offsets from the voxel's low corner, 1/1024 of a voxel
-  std::int64_t sum_y = 0;
-  std::int64_t sum_z = 0;
-  std::int64_t sum_r = 0;
-  std::int64_t sum_g = 0;
-  std::int64_t sum_b = 0;
+  std::int32_t sum_x = 0;  // offsets from the voxel's low corner, 1/1024 of a voxel
+  std::int32_t sum_y = 0;
+  std::int32_t sum_z = 0;
+  std::int32_t sum_r = 0;
+  std::int32_t sum_g = 0;
+  std::int32_t sum_b = 0;
 
   bool operator<(const CloudVoxel& other) const {
     return std::tie(z, y, x) < std::tie(other.z, other.y, other.x);

@@ -29,6 +29,8 @@ struct DenseMapperConfig {
 
   // --- publishing
   int keyframes_per_publication = 5;
+  std::int64_t moved_period_us =
+      1'000'000;  // anchors that move are followed this often, in the graph's utime
 };
 
 }  // namespace fusion_slam

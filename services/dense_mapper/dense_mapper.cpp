@@ -10,6 +10,7 @@ namespace fusion_slam {
 namespace {
 
 constexpr double kCloudVoxelsPerCell = 2.0;  // the cloud is twice as fine as the OctoMap
+constexpr double kExactSlackM = 1e-6;        // rounding is not motion
 constexpr double kSubmapRadiusM = 4.0;    // how far from its anchor a submap matters, for the slack
 constexpr double kRelevelRad = 0.005;     // a new up direction is worth composing the raster again
 constexpr double kRelevelFraction = 0.5;  // so is a new floor height, in cells
@@ -50,7 +51,10 @@ bool DenseMapper::add_keyframe(std::int64_t id, const RgbdFrame& frame) {
   return true;
 }
 
-void DenseMapper::set_pose(std::int64_t id, const SE3& T_map_base) { T_map_base_[id] = T_map_base; }
+void DenseMapper::set_pose(std::int64_t id, const SE3& T_map_base, std::int64_t utime_us) {
+  T_map_base_[id] = T_map_base;
+  graph_us_ = std::max(graph_us_, utime_us);
+}
 
 void DenseMapper::integrate_ready() {
   for (auto it = waiting_.begin(); it != waiting_.end();) {
@@ -89,6 +93,7 @@ bool DenseMapper::needs_placing(std::int64_t id, const DenseSubmap& submap, doub
 
 bool DenseMapper::due() const {
   if (changes_.keyframes >= config_.keyframes_per_publication) return true;
+  if (graph_us_ < published_us_ + config_.moved_period_us) return false;
   const double slack_m = config_.slack_voxels * robot_.map_resolution_m;
   return std::any_of(submaps_.begin(), submaps_.end(), [&](const auto& entry) {
     return needs_placing(entry.first, entry.second, slack_m);
@@ -101,6 +106,7 @@ DenseTiles DenseMapper::update(bool exact) {
   for (const auto& [id, blocks] : changes_.blocks)
     for (const BlockIndex& block : blocks) mark(submaps_.at(id), block);
   changes_ = Changes{};
+  published_us_ = graph_us_;
 
   DenseTiles tiles;
   compose_octomap(&tiles.octomap);
@@ -110,7 +116,7 @@ DenseTiles DenseMapper::update(bool exact) {
 }
 
 void DenseMapper::place_submaps(bool exact) {
-  const double slack_m = exact ? 0.0 : config_.slack_voxels * robot_.map_resolution_m;
+  const double slack_m = exact ? kExactSlackM : config_.slack_voxels * robot_.map_resolution_m;
   for (auto& [id, submap] : submaps_) {
     if (!needs_placing(id, submap, slack_m)) continue;
     mark_all(submap);  // what it leaves

@@ -33,8 +33,8 @@ class DenseMapper {
 
   // Id 1, 2, 3 ... False: the image does not fit the camera model, or this id came before; ignored.
   bool add_keyframe(std::int64_t id, const RgbdFrame& frame);
-  // Where the graph has a keyframe's base now.
-  void set_pose(std::int64_t id, const SE3& T_map_base);
+  // Where the graph has a keyframe's base now; utime_us: of the graph's newest measurement.
+  void set_pose(std::int64_t id, const SE3& T_map_base, std::int64_t utime_us);
   // Integrates what waits for poses. To be called after each batch of add_keyframe and set_pose.
   void integrate_ready();
 
@@ -83,7 +83,9 @@ class DenseMapper {
   ChangedTiles octomap_tiles_;
   ChangedTiles cloud_tiles_;
   ChangedTiles grid_tiles_;
-  std::int64_t newest_us_ = 0;
+  std::int64_t newest_us_ = 0;     // image in the map
+  std::int64_t graph_us_ = 0;      // graph
+  std::int64_t published_us_ = 0;  // graph at the last update()
   std::int64_t dropped_ = 0;
 };
 

@@ -96,7 +96,7 @@ void DenseMapperProcess::set_poses(const graph_t& message) {
     if (node.kind != graph_node_t::KEYFRAME) continue;
     const auto T_map_base = from_message(node.T_map_base);
     if (T_map_base)
-      mapper_->set_pose(node.id, *T_map_base);
+      mapper_->set_pose(node.id, *T_map_base, message.utime);
     else
       bus_.report_error("GRAPH: pose of keyframe " + std::to_string(node.id) + " is not a pose");
   }

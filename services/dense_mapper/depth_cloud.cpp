@@ -1,11 +1,10 @@
 #include "services/dense_mapper/depth_cloud.hpp"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <opencv2/calib3d.hpp>
 
 namespace fusion_slam {

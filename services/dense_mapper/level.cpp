@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::size_t kFewestSurfaces = 100;
 constexpr std::size_t kCandidates = 300;
+constexpr std::size_t kMostSurfaces =
+    20000;  // evenly picked: the time stays the same however long the recording
 constexpr double kCosPrior = 0.64;    // up is within 50 degrees of the images' up
 constexpr double kSinAligned = 0.10;  // 6 degrees: level or upright
 constexpr double kUprightWeight =
@@ -115,11 +117,14 @@ Eigen::Matrix3d rotation_to_z(const Eigen::Vector3d& up) {
   return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
-std::optional<Level> estimate_level(const std::vector<SurfacePoint>& surfaces,
+std::optional<Level> estimate_level(const std::vector<SurfacePoint>& all_surfaces,
                                     const Eigen::Vector3d& image_up,
                                     const std::vector<Eigen::Vector3d>& camera_positions_m) {
-  if (surfaces.size() < kFewestSurfaces || camera_positions_m.empty() || image_up.isZero())
+  if (all_surfaces.size() < kFewestSurfaces || camera_positions_m.empty() || image_up.isZero())
     return std::nullopt;
+  std::vector<SurfacePoint> surfaces;
+  const std::size_t n = std::min(all_surfaces.size(), kMostSurfaces);
+  for (std::size_t i = 0; i < n; ++i) surfaces.push_back(all_surfaces[i * all_surfaces.size() / n]);
   std::vector<Eigen::Vector3d> normals;
   normals.reserve(surfaces.size());
   for (const SurfacePoint& s : surfaces) normals.push_back(s.normal.cast<double>());
