@@ -44,7 +44,8 @@ void OccupancyGrid::miss_between(CellIndex from, CellIndex to) {
   }
 }
 
-void OccupancyGrid::insert(const Eigen::Vector2d& origin, const Points& hits) {
+void OccupancyGrid::insert(const Eigen::Vector2d& origin, const Points& hits,
+                           const Points& surface) {
   if (hits.empty()) return;
   ++scan_;
   const CellIndex start = cells_.cell_of(origin.x(), origin.y());
@@ -60,6 +61,10 @@ void OccupancyGrid::insert(const Eigen::Vector2d& origin, const Points& hits) {
   cells_.include(low, high);
   raster_.include(low, high);
   for (const CellIndex& c : ends) update(c.x, c.y, hit_);
+  for (const auto& p : surface) {  // between end points, so inside
+    const CellIndex c = cells_.cell_of(p.x(), p.y());
+    update(c.x, c.y, hit_);
+  }
   for (const CellIndex& c : ends) miss_between(start, c);
   // Which tiles a scan touched: those with a cell that carries its number.
   for (int ty = tile_floor(low.y); ty <= high.y; ty += kTileCells)

@@ -15,9 +15,10 @@ class OccupancyGrid {
  public:
   OccupancyGrid(double resolution_m, const LidarMapperConfig& config);
 
-  // Each end point's cell is hit once, each other cell between origin and end point missed once,
-  // however many beams meet it: a scan is one measurement of a cell. Metres, in the grid's frame.
-  void insert(const Eigen::Vector2d& origin, const Points& hits);
+  // Each end point's cell and each cell of `surface` is hit once, each other cell between origin
+  // and end point missed once, however many beams meet it: a scan is one measurement of a cell.
+  // Metres, in the grid's frame.
+  void insert(const Eigen::Vector2d& origin, const Points& hits, const Points& surface = {});
 
   const Raster& raster() const { return raster_; }
   const std::set<TileIndex>& changed_tiles() const { return changed_; }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "services/lidar_mapper/surface_fill.hpp"
+
 namespace fusion_slam {
 
 SE2 Twist::motion(double dt_s) const {
@@ -45,6 +47,8 @@ ScanPoints read_scan(const LaserScan& scan, const RobotModel& robot, const Twist
   const Eigen::Vector2d lidar = robot.T_base_lidar.translation().head<2>();
   const double half_sweep_s = 0.5 * static_cast<double>(scan.ranges_m.size()) * period_s;
   points.origin_base = moves ? Eigen::Vector2d(twist.motion(half_sweep_s) * lidar) : lidar;
+  points.surface_base = fill_surfaces(points.hits_base, points.origin_base, scan.radstep,
+                                      0.7 * robot.map_resolution_m, robot.lidar.sigma_m);
   return points;
 }
 

@@ -20,6 +20,8 @@ struct Twist {
 
 struct ScanPoints {
   Points hits_base;  // end points in base at the time of the first beam, in the order of the beams
+  // Between end points that lie on one surface (surface_fill): for the map, not for matching.
+  Points surface_base;
   Eigen::Vector2d origin_base =
       Eigen::Vector2d::Zero();  // of the beams, at the middle of the sweep
   int n_invalid = 0;            // nan, inf, zero, or out of the sensor's range: no return

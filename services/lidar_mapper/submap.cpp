@@ -18,10 +18,13 @@ Submap::Submap(std::int64_t anchor_node_id, const SE2& T_odom_submap, double res
 
 void Submap::insert(const ScanPoints& scan, const SE2& T_odom_base, std::int64_t utime_us) {
   const SE2 T_submap_base = T_odom_submap_.inverse() * T_odom_base;
-  Points hits;
-  hits.reserve(scan.hits_base.size());
-  for (const auto& p : scan.hits_base) hits.push_back(T_submap_base * p);
-  grid_.insert(T_submap_base * scan.origin_base, hits);
+  const auto placed = [&](const Points& points) {
+    Points out;
+    out.reserve(points.size());
+    for (const auto& p : points) out.push_back(T_submap_base * p);
+    return out;
+  };
+  grid_.insert(T_submap_base * scan.origin_base, placed(scan.hits_base), placed(scan.surface_base));
   newest_us_ = std::max(newest_us_, utime_us);
   ++n_scans_;
 }
