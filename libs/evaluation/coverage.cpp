@@ -9,6 +9,15 @@ constexpr double kBridgedPeriods = 3.0;
 // A robot at walking speed is somewhere else after a second without a pose.
 constexpr double kLongestBridge_s = 1.0;
 
+// Scans of a real log (fr079) pause for up to 2.3 s.
+constexpr double kLongestPause_s = 2.5;
+
+bool has_pose_inside(const Trajectory& trajectory, const TimeWindow& gap) {
+  const auto after = std::upper_bound(trajectory.begin(), trajectory.end(), gap.begin_s,
+                                      [](double t, const StampedPose& p) { return t < p.time_s; });
+  return after != trajectory.end() && after->time_s < gap.end_s;
+}
+
 bool has_pose_within(const Trajectory& trajectory, const TimeWindow& window) {
   return std::any_of(trajectory.begin(), trajectory.end(), [&](const StampedPose& pose) {
     return window.begin_s <= pose.time_s && pose.time_s <= window.end_s;
@@ -69,7 +78,9 @@ Coverage compute_coverage(const Trajectory& reference, const Trajectory& estimat
   count_gap({coverage.window.begin_s, estimate.front().time_s}, false, coverage);
   for (std::size_t i = 1; i < estimate.size(); ++i) {
     const TimeWindow gap{estimate[i - 1].time_s, estimate[i].time_s};
-    count_gap(gap, gap.length_s() <= coverage.allowed_gap_s, coverage);
+    const bool short_enough = gap.length_s() <= coverage.allowed_gap_s;
+    const bool pause = gap.length_s() <= kLongestPause_s && !has_pose_inside(reference, gap);
+    count_gap(gap, short_enough || pause, coverage);
   }
   count_gap({estimate.back().time_s, coverage.window.end_s}, false, coverage);
   coverage.percent = percent_covered(coverage, estimate);

@@ -10,11 +10,12 @@
 namespace fusion_slam {
 
 // Coverage is a share of TIME, because a reference is often much denser (motion capture at 100 Hz
-// and more) or much sparser than the estimate. Two consecutive poses of the estimate cover the time
-// between them when they are at most allowed_gap_s apart:
-//   allowed_gap_s = min(3 * median period of the estimate, max(1 s, 3 * median period of the
-//   reference))
-// so one or two missing poses are bridged and a longer loss counts as lost, in full; and an
+// and more) or much sparser than the estimate. The time between two consecutive poses of the
+// estimate is covered when it is
+//   at most allowed_gap_s = min(3 * median period of the estimate, max(1 s, 3 * median period of
+//   the reference)), or at most 2.5 s and the reference has no pose inside it either (the sensor
+//   paused, nobody expected a pose).
+// So one or two missing poses are bridged and a longer loss counts as lost, in full; and an
 // estimate of a few sparse poses is not covering unless the reference is as sparse. Nothing is
 // credited before the first and after the last pose.
 struct Coverage {

@@ -73,6 +73,14 @@ TEST(Coverage, ASparseReferenceAllowsASparseEstimate) {
               1e-9);
 }
 
+TEST(Coverage, APauseOfTheSensorIsNobodysFault) {
+  const Trajectory pauses = joined(steady(0.0, 4.0, 0.1), steady(6.0, 10.0, 0.1));
+  EXPECT_NEAR(compute_coverage(pauses, pauses).percent, 100.0, 1e-9);
+  // But a reference that says nothing for long proves nothing.
+  const Trajectory silent = joined(steady(0.0, 4.0, 0.1), steady(8.0, 10.0, 0.1));
+  EXPECT_LT(compute_coverage(silent, silent).percent, 60.0);
+}
+
 TEST(Coverage, OfNothingIsZero) {
   const Coverage c = compute_coverage(steady(0.0, 10.1, 0.1), {});
   EXPECT_EQ(c.percent, 0.0);
