@@ -19,8 +19,9 @@ const cv::Vec3b kCameraVermilion(0, 94, 213);
 const cv::Vec3b kConflictPurple(167, 121, 204);
 const cv::Vec3b kWayGreen(115, 158, 0);
 
-constexpr int kMinPixels = 900;    // of the map's longer side
-constexpr int kMaxCellPixels = 8;  // a cell is a square of at most this
+constexpr int kMinPixels = 900;     // of the map's longer side
+constexpr int kWayMarginCells = 2;  // around the way, for its marks
+constexpr int kMaxCellPixels = 8;   // a cell is a square of at most this
 constexpr int kMargin = 24;
 constexpr int kLegendHeight = 84;
 constexpr int kMinWidth = 900;  // the legend's
@@ -40,7 +41,7 @@ struct Canvas {
     const int most = std::max(raster.width, raster.height);
     const auto cells = [&](double metres) {
       return static_cast<int>(
-          std::clamp(std::ceil(metres / raster.resolution_m), 0.0, double(most)));
+          std::clamp(std::ceil(metres / raster.resolution_m) + kWayMarginCells, 0.0, double(most)));
     };
     const double top_m = raster.origin_y_m + raster.height * raster.resolution_m;
     const double right_m = raster.origin_x_m + raster.width * raster.resolution_m;
@@ -134,7 +135,7 @@ void draw_legend(cv::Mat& picture, int top, double metres_per_pixel, bool by_sen
     cv::rectangle(picture, {x, line - 13}, {x + 15, line + 2}, scalar(fill), cv::FILLED);
     cv::rectangle(picture, {x, line - 13}, {x + 15, line + 2}, scalar(kBlack), 1);
     text(picture, words, {x + 22, line});
-    x += 36 + 9 * static_cast<int>(words.size());
+    x += 40 + 10 * static_cast<int>(words.size());
   };
   box(kFreeWhite, "free");
   box(kUnknownGrey, "unknown");
