@@ -13,6 +13,7 @@ constexpr double kStepRad = 2.0 * M_PI / 1024.0;
 constexpr double kFirstStep = 44.0 - 384.0;
 // Below 20 mm the value is an error code of the sensor.
 constexpr std::int64_t kSmallestRangeMm = 20;
+constexpr std::int64_t kLatestUs = 4'000'000'000'000'000'000;  // differences of times must fit
 
 std::optional<HokuyoRecord> parse_line(std::string_view line, std::string* why) {
   HokuyoRecord record;
@@ -25,6 +26,8 @@ std::optional<HokuyoRecord> parse_line(std::string_view line, std::string* why) 
     if (!needed) continue;
     const auto value = parse_integer(word);
     if (!value) return *why = "not an integer", std::nullopt;
+    if (field == 0 && (*value < 0 || *value > kLatestUs))
+      return *why = "time is not plausible", std::nullopt;
     if (field == 0)
       record.scan.utime_us = *value;
     else if (field == 2)
