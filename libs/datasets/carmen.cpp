@@ -46,7 +46,8 @@ class Words {
     // A reading takes at least two characters: a count beyond the line is damage, not a reason to
     // allocate.
     if (static_cast<std::size_t>(n) > rest_.size()) fail("line ends early");
-    for (std::int64_t i = 0; i < n && ok(); ++i) values.push_back(static_cast<float>(std::clamp(number(), -1e9, 1e9)));
+    for (std::int64_t i = 0; i < n && ok(); ++i)
+      values.push_back(static_cast<float>(std::clamp(number(), -1e9, 1e9)));
     return values;
   }
   void fail(const char* why) {
