@@ -21,10 +21,10 @@ void MotionModel::update(std::int64_t utime_us, const SE3& T_odom_camera) {
   utime_us_ = utime_us;
 }
 
-void MotionModel::restart(std::int64_t utime_us, const SE3& T_odom_camera) {
+void MotionModel::restart(const SE3& T_odom_camera) {
   moving_ = false;
   T_odom_camera_ = T_odom_camera;
-  utime_us_ = utime_us;
+  utime_us_ = 0;
 }
 
 }  // namespace fusion_slam

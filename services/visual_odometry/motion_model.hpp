@@ -13,8 +13,9 @@ class MotionModel {
   // unknown.
   SE3 predict(std::int64_t utime_us) const;
   void update(std::int64_t utime_us, const SE3& T_odom_camera);
-  // The next prediction is this pose: after a loss the velocity is unknown.
-  void restart(std::int64_t utime_us, const SE3& T_odom_camera);
+  // After a loss: the velocity is unknown until two more poses are, and the prediction is this
+  // pose.
+  void restart(const SE3& T_odom_camera);
 
  private:
   SE3 T_odom_camera_ = SE3::Identity();

@@ -153,7 +153,7 @@ TrackingResult VisualOdometry::tracked(std::int64_t utime_us, const Estimate& es
 // Nothing tracked: says so, and after a while (at once when there was no map) starts a new segment
 // at the last pose.
 TrackingResult VisualOdometry::lost(std::int64_t utime_us, FeatureSet set) {
-  motion_.restart(utime_us, T_odom_camera_);
+  motion_.restart(T_odom_camera_);
   TrackingResult result;
   result.utime_us = utime_us;
   result.state = TrackingState::kLost;
@@ -170,6 +170,7 @@ TrackingResult VisualOdometry::lost(std::int64_t utime_us, FeatureSet set) {
   result.state = first ? TrackingState::kOk : TrackingState::kWeak;
   if (!first) result.reason = "new segment: the motion since the loss is unknown";
   fix_utime_us_ = utime_us;
+  motion_.update(utime_us, T_odom_camera_);
   map_.clear();
   segment_started_ = true;
   Estimate here;

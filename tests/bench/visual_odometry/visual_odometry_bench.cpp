@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <map>
 
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
@@ -34,6 +35,16 @@ double quantile(std::vector<double> values, double fraction) {
 double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
+}
+
+// T_world_camera of the reference at this time; nothing when it has no pose within 20 ms.
+const fs::SE3* reference_at(const fs::RgbdDataset& dataset, std::int64_t utime_us) {
+  const fs::ReferencePose* best = nullptr;
+  for (const fs::ReferencePose& pose : dataset.reference)
+    if (best == nullptr || std::abs(pose.utime_us - utime_us) < std::abs(best->utime_us - utime_us))
+      best = &pose;
+  const bool near = best != nullptr && std::abs(best->utime_us - utime_us) < 20'000;
+  return near ? &best->T_world_reference : nullptr;
 }
 
 }  // namespace
@@ -75,6 +86,8 @@ int main(int argc, char** argv) {
   std::vector<double> odometry_ms;
   std::vector<double> detector_ms;
   std::vector<double> matched;
+  std::vector<double> loop_errors_m;  // of those that passed geometry
+  std::map<std::int64_t, std::int64_t> utime_of_keyframe;
   int states[4] = {};
   int keyframes = 0;
   int candidates = 0;
@@ -100,6 +113,7 @@ int main(int argc, char** argv) {
     if (!result.keyframe) continue;
     ++keyframes;
     const fs::Keyframe& k = *result.keyframe;
+    utime_of_keyframe[k.id] = k.utime_us;
     if (verbose)
       std::printf("frame %zu: keyframe %lld, %d matched, %zu features\n", i,
                   static_cast<long long>(k.id), result.n_matched, k.features.size());
@@ -109,6 +123,10 @@ int main(int argc, char** argv) {
     for (const fs::LoopCandidate& c : found) {
       ++candidates;
       geometric += c.stages[1].passed ? 1 : 0;
+      const fs::SE3* from = reference_at(dataset, utime_of_keyframe[c.from_id]);
+      const fs::SE3* to = reference_at(dataset, k.utime_us);
+      if (c.stages[1].passed && from != nullptr && to != nullptr)
+        loop_errors_m.push_back(fs::local(from->inverse() * *to, c.T_from_to).head<3>().norm());
       if (!verbose) continue;
       std::printf("  %lld -> %lld:", static_cast<long long>(c.to_id),
                   static_cast<long long>(c.from_id));
@@ -125,5 +143,8 @@ int main(int argc, char** argv) {
               quantile(odometry_ms, 0.95), quantile(odometry_ms, 1.0));
   std::printf("loop detector: %d candidates, %d geometric; ms a keyframe: median %.1f max %.1f\n",
               candidates, geometric, quantile(detector_ms, 0.5), quantile(detector_ms, 1.0));
+  std::printf("loops that passed geometry, m from the reference: median %.3f p95 %.3f max %.3f\n",
+              quantile(loop_errors_m, 0.5), quantile(loop_errors_m, 0.95),
+              quantile(loop_errors_m, 1.0));
   return 0;
 }

@@ -25,8 +25,11 @@ TEST(MotionModel, StandsStillAfterAGapOrARestart) {
   const SE3 last = from_xyz_rpy(0.1, 0, 0, 0, 0, 0);
   EXPECT_EQ(model.predict(2'000'000).matrix(), last.matrix());
   EXPECT_EQ(model.predict(1'000'000).matrix(), last.matrix());
-  model.restart(1'040'000, SE3::Identity());
+  model.restart(SE3::Identity());
   EXPECT_EQ(model.predict(1'050'000).matrix(), SE3::Identity().matrix());
+  // What lies between the restart and the next pose is a jump, not a velocity.
+  model.update(1'060'000, last);
+  EXPECT_EQ(model.predict(1'090'000).matrix(), last.matrix());
 }
 
 }  // namespace
