@@ -22,4 +22,19 @@ Overlap measure_overlap(const Raster& raster, const Points& points_base, const S
   return overlap;
 }
 
+Points points_in_known_space(const Raster& raster, const Points& points_base,
+                             const SE2& T_grid_base, int reach) {
+  Points known;
+  for (const auto& p : points_base) {
+    const Eigen::Vector2d q = T_grid_base * p;
+    const CellIndex c = raster.cell_of(q.x(), q.y());
+    bool found = false;
+    for (int dy = -reach; dy <= reach && !found; ++dy)
+      for (int dx = -reach; dx <= reach && !found; ++dx)
+        found = raster.at(c.x + dx, c.y + dy) != kUnknownCell;
+    if (found) known.push_back(p);
+  }
+  return known;
+}
+
 }  // namespace fusion_slam

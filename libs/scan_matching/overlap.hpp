@@ -1,4 +1,4 @@
-// How well a placed scan agrees with a grid, in numbers a person can read. Pure function.
+// How well a placed scan agrees with a grid, in numbers a person can read. Pure functions.
 #pragma once
 
 #include "libs/geometry/pose.hpp"
@@ -17,5 +17,10 @@ struct Overlap {
 };
 
 Overlap measure_overlap(const Raster& raster, const Points& points_base, const SE2& T_grid_base);
+
+// The points that fall within `reach` cells of a known cell. Points beyond the map's edge must not
+// take part in a match: it would be pulled back to where they are covered.
+Points points_in_known_space(const Raster& raster, const Points& points_base,
+                             const SE2& T_grid_base, int reach);
 
 }  // namespace fusion_slam

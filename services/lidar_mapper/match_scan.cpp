@@ -17,10 +17,25 @@ struct Attempt {
 
 Attempt attempt(const Raster& raster, const SearchPyramid& pyramid, const Points& coarse,
                 const Points& fine, const SE2& predicted, const SearchWindow& window) {
-  const auto found = match_correlative(pyramid, coarse, predicted, window, 0.0);
-  const PosePrior prior{predicted, window.linear_m / 3.0, window.angular_rad / 3.0};
+  SE2 start = predicted;
+  if (const auto found = match_correlative(pyramid, coarse, predicted, window, 0.0))
+    start = found->T_grid_base;
+
+  // Again with those points only that the map can know, judged at the predicted place with the
+  // heading just found.
+  const SE2 place{predicted.x, predicted.y, start.yaw};
+  const double sigma_m = window.linear_m / 3.0;
+  const int reach = 1 + static_cast<int>(sigma_m / raster.resolution_m());
+  const Points known = points_in_known_space(raster, coarse, place, reach);
+  const Points known_fine = points_in_known_space(raster, fine, place, reach);
+  if (known.size() < coarse.size() && 2 * known.size() > coarse.size())
+    if (const auto found = match_correlative(pyramid, known, predicted, window, 0.0))
+      start = found->T_grid_base;
+
+  const PosePrior prior{predicted, sigma_m, window.angular_rad / 3.0};
   Attempt result;
-  result.refined = refine_match(raster, fine, found ? found->T_grid_base : predicted, prior);
+  const bool enough = 2 * known_fine.size() > fine.size();
+  result.refined = refine_match(raster, enough ? known_fine : fine, start, prior);
   result.overlap = measure_overlap(raster, fine, result.refined.T_grid_base);
   return result;
 }
