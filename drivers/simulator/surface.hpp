@@ -12,8 +12,8 @@ namespace fusion_slam {
 
 struct Lighting {
   std::vector<Eigen::Vector3d> lamps_m;  // world; seen through by nothing but boxes
-  double ambient = 0.38;                 // light from everywhere: walls scatter most of it
-  double lamp_power = 1.1;
+  double ambient = 0.50;                 // light from everywhere: walls scatter most of it
+  double lamp_power = 1.7;
 };
 
 // Axes of a face's picture in the box's frame: s to the right and t down as seen from outside, so
