@@ -32,6 +32,10 @@ PlaybackResult play_log(const std::filesystem::path& log, std::int64_t most_even
                   conductor.peers());
   }
   if (reader.damage()) result.damage = reader.damage()->message;
+  if (n == 0 && result.damage.empty())
+    result.damage = log.string() +
+                    " holds none of CAMERA, LIDAR, ODOMETRY and the like: `fusion-slam info` says "
+                    "what it holds, `fusion-slam import` turns recordings into logs";
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "libs/bus/process.hpp"
 #include "libs/bus/transport.hpp"
+#include "libs/eventlog/reader.hpp"
 #include "libs/process/private_network.hpp"
 #include "logplayer/run/crew.hpp"
 #include "logplayer/run/interrupt.hpp"
@@ -137,6 +138,7 @@ void tell(const RunOptions& options, const Outcome& outcome) {
 
 int run_log(const RunOptions& options) {
   watch_interrupts();
+  const LogReader is_a_log(options.log);  // throws, before anything is started, when it is not
   std::filesystem::create_directories(options.out);
   // What an earlier run left would pass for this one's.
   for (const char* name : {"trajectory.tum", "live.tum", "groundtruth.tum", "map.pgm", "map.yaml",

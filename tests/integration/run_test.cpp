@@ -1,0 +1,156 @@
+// The whole chain: a simulated recording through `run`, with every service its own process over UDP
+// multicast.
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "libs/process/child.hpp"
+
+namespace fusion_slam {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kPrograms = FS_BINARY_DIR "/bin";
+
+fs::path folder(const std::string& name) {
+  const fs::path path = fs::path(FS_BINARY_DIR) / "tests" / "run_test" / name;
+  fs::create_directories(path);
+  return path;
+}
+
+// 6 s of the office, made once.
+const fs::path& recording() {
+  static const fs::path kLog = [] {
+    const fs::path log = folder("recording") / "office.lcm";
+    Child simulate("simulate",
+                   {kPrograms / "simulate", FS_SOURCE_DIR "/config/worlds/office.yaml", "--seed",
+                    "3", "--seconds", "6", "--camera-hz", "10", "--out", log},
+                   folder("recording") / "simulate.log");
+    while (simulate.running()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    EXPECT_TRUE(simulate.ended_well()) << simulate.last_lines(20);
+    return log;
+  }();
+  return kLog;
+}
+
+Child start_run(const fs::path& log, const fs::path& out, std::vector<std::string> more = {}) {
+  std::vector<std::string> argv{kPrograms / "run", log, "--out", out};
+  argv.insert(argv.end(), more.begin(), more.end());
+  fs::remove_all(out);
+  fs::create_directories(out);
+  return {"run", argv, out / "run.log"};
+}
+
+std::string finish(Child& run) {
+  while (run.running()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  return run.how_it_ended();
+}
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream all;
+  all << in.rdbuf();
+  return all.str();
+}
+
+nlohmann::json metrics(const fs::path& out) {
+  return nlohmann::json::parse(bytes_of(out / "metrics.json"));
+}
+
+// The pid of the first process named so whose parent is `parent`; 0: none.
+pid_t child_named(pid_t parent, const std::string& name) {
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    std::ifstream stat(entry.path() / "stat");
+    std::string pid, command, state;
+    pid_t ppid = 0;
+    if (stat >> pid >> command >> state >> ppid && ppid == parent && command == "(" + name + ")")
+      return static_cast<pid_t>(std::stoi(pid));
+  }
+  return 0;
+}
+
+template <class Condition>
+bool soon(Condition condition) {
+  for (int i = 0; i < 1000 && !condition(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return condition();
+}
+
+TEST(Run, TwoLockstepRunsAreIdenticalAndNothingIsDropped) {
+  std::vector<std::string> first;
+  for (const char* name : {"lockstep_1", "lockstep_2"}) {
+    const fs::path out = folder(name);
+    Child run = start_run(recording(), out);
+    ASSERT_EQ(finish(run), "exit code 0") << run.last_lines(30);
+    const auto m = metrics(out);
+    EXPECT_EQ(m["dropped_total"], 0);
+    EXPECT_EQ(m["lost_total"], 0);
+    EXPECT_TRUE(m["complete"]);
+    EXPECT_GE(m["coverage_percent"].get<double>(), 98.0);
+    EXPECT_LT(m["ape_rmse_m"].get<double>(), 0.10);
+    std::vector<std::string> all;
+    for (const char* file : {"trajectory.tum", "live.tum", "map.pgm", "octomap.bt", "cloud.ply"}) {
+      all.push_back(bytes_of(out / file));
+      EXPECT_GT(all.back().size(), 100U) << file;
+    }
+    if (first.empty()) first = all;
+    for (std::size_t i = 0; i < all.size(); ++i) EXPECT_TRUE(all[i] == first[i]) << "file " << i;
+    for (const char* file : {"map.yaml", "map.png", "session.lcmlog", "groundtruth.tum"})
+      EXPECT_TRUE(fs::exists(out / file)) << file;
+  }
+}
+
+TEST(Run, ThroughputModeDropsNothing) {
+  const fs::path out = folder("throughput");
+  Child run = start_run(recording(), out, {"--mode", "throughput"});
+  ASSERT_EQ(finish(run), "exit code 0") << run.last_lines(30);
+  const auto m = metrics(out);
+  EXPECT_EQ(m["dropped_total"], 0);
+  EXPECT_EQ(m["lost_total"], 0);
+  EXPECT_GE(m["coverage_percent"].get<double>(), 98.0);
+}
+
+TEST(Run, InterruptLeavesAPartialResultAndNoOrphan) {
+  const fs::path out = folder("interrupt");
+  Child run = start_run(recording(), out);
+  pid_t service = 0;
+  ASSERT_TRUE(soon([&] { return (service = child_named(run.pid(), "pose_graph")) != 0; }));
+  ASSERT_TRUE(soon([&] {
+    return fs::exists(out / "session.lcmlog") && fs::file_size(out / "session.lcmlog") > 300'000;
+  }));
+  run.signal(SIGINT);
+  EXPECT_EQ(finish(run), "exit code 130") << run.last_lines(30);
+  EXPECT_FALSE(metrics(out)["complete"]);
+  EXPECT_TRUE(fs::exists(out / "trajectory.tum"));
+  EXPECT_TRUE(soon([&] { return !fs::exists("/proc/" + std::to_string(service)); }));
+}
+
+TEST(Run, AServiceThatDiesEndsTheRunWithItsLastLines) {
+  const fs::path out = folder("death");
+  Child run = start_run(recording(), out);
+  pid_t service = 0;
+  ASSERT_TRUE(soon([&] { return (service = child_named(run.pid(), "fuser")) != 0; }));
+  ASSERT_TRUE(soon([&] {
+    return fs::exists(out / "session.lcmlog") && fs::file_size(out / "session.lcmlog") > 300'000;
+  }));
+  kill(service, SIGKILL);
+  EXPECT_EQ(finish(run), "exit code 1");
+  EXPECT_NE(run.last_lines(50).find("fuser ended: signal 9"), std::string::npos)
+      << run.last_lines(50);
+}
+
+TEST(Run, AForeignFileIsNamed) {
+  const fs::path out = folder("foreign");
+  Child run = start_run(FS_SOURCE_DIR "/README.md", out);
+  EXPECT_EQ(finish(run), "exit code 1");
+  EXPECT_NE(run.last_lines(50).find("README.md"), std::string::npos) << run.last_lines(50);
+}
+
+}  // namespace
+}  // namespace fusion_slam
