@@ -46,7 +46,7 @@ void LogWriter::write(std::int64_t timestamp_us, const std::string& channel,
   write_big_endian(size_bytes, 4, header + 24);
   if (std::fwrite(header, 1, sizeof header, file_) != sizeof header ||
       std::fwrite(channel.data(), 1, channel.size(), file_) != channel.size() ||
-      std::fwrite(bytes, 1, size_bytes, file_) != size_bytes) {
+      (size_bytes > 0 && std::fwrite(bytes, 1, size_bytes, file_) != size_bytes)) {
     fail("written");
   }
   ++n_events_;
