@@ -3,12 +3,16 @@
 namespace fusion_slam {
 namespace {
 
+// A wall that three scans have seen is as much a wall as one that thirty have. Without this a scan
+// is drawn to where the robot has been longest: backwards, in a corridor.
+constexpr double kSureProbability = 0.8;
+
 std::array<float, 256> make_match_probability() {
   std::array<float, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {
     const auto byte = static_cast<std::uint8_t>(i);
     const double p = byte == kUnknownCell ? kUnknownMatchProbability : probability_from_cell(byte);
-    table[i] = static_cast<float>(std::clamp(p, kUnknownMatchProbability, 0.98));
+    table[i] = static_cast<float>(std::clamp(p / kSureProbability, kUnknownMatchProbability, 0.98));
   }
   return table;
 }

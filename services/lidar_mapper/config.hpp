@@ -30,7 +30,7 @@ struct LidarMapperConfig {
   double weak_agreement = 0.5;       // of the points in known space
   double lost_agreement = 0.3;
   double lost_coverage = 0.1;      // of all points: so few in known space match anything
-  double weak_sigma_m = 0.1;       // worst direction: a corridor
+  double weak_sigma_m = 0.03;      // worst direction, of the scan alone: a corridor
   int lost_scans_to_restart = 10;  // then a new submap begins: the map goes on, the graph mends it
 
   // --- nodes and submaps

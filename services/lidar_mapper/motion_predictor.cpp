@@ -11,7 +11,7 @@ constexpr std::int64_t kLongestGapUs = 1'000'000;
 constexpr std::int64_t kBackwardsUs = 1'000'000;  // further back than this is a new recording
 constexpr int kVelocityIntervals =
     2;  // one interval carries the jitter of its stamps and matches in full
-constexpr double kVelocitySpanS = 0.2;
+constexpr double kVelocitySpanS = 0.12;
 
 double clamp_abs(double value, double limit) { return std::clamp(value, -limit, limit); }
 

