@@ -26,6 +26,32 @@ std::array<Eigen::Vector2d, 4> corners_m(const TileIndex& index, double edge_m) 
           low + Eigen::Vector2d(edge_m, edge_m)};
 }
 
+// Reads neighbouring cells fast: remembers the tile of the last one. TiledGrid::at is the slow way.
+class CellReader {
+ public:
+  explicit CellReader(const TiledGrid& grid) : grid_(grid) {}
+
+  std::uint8_t at(const Eigen::Vector2d& p_m) {
+    const int x = grid_.cell_of(p_m.x());
+    const int y = grid_.cell_of(p_m.y());
+    const TileIndex index{x >> 6, y >> 6};  // floor(cell / 64)
+    if (!valid_ || index != index_) {
+      const auto it = grid_.tiles().find(index);
+      cells_ = it == grid_.tiles().end() ? nullptr : &it->second;
+      index_ = index;
+      valid_ = true;
+    }
+    if (cells_ == nullptr) return kUnknownCell;
+    return (*cells_)[static_cast<std::size_t>((y & 63) * kTileCells + (x & 63))];
+  }
+
+ private:
+  const TiledGrid& grid_;
+  const TileCells* cells_ = nullptr;
+  TileIndex index_;
+  bool valid_ = false;
+};
+
 }  // namespace
 
 GridComposer::GridComposer(double resolution_m, double slack_cells)
@@ -89,8 +115,9 @@ std::set<TileIndex> GridComposer::recompose(bool exact) {
       if (submap.placed) mark_all();
       submap.placed = submap.T_map_submap;
       mark_all();
+    } else if (submap.changed.empty() || !submap.placed) {
+      continue;
     }
-    if (!submap.placed) continue;
     submap.changed.clear();
     submap.covers.clear();
     for (const auto& [index, cells] : submap.grid->tiles()) mark(submap, index, &submap.covers);
@@ -109,16 +136,14 @@ void GridComposer::compose_tile(const TileIndex& index) {
     if (!submap.placed) continue;
     if (submap.covers.count(index) == 0) continue;
     const SE2 inverse = submap.placed->inverse();
-    const Eigen::Rotation2Dd rotation(inverse.yaw);
-    const Eigen::Matrix2d R = rotation.toRotationMatrix();
+    const Eigen::Matrix2d R = Eigen::Rotation2Dd(inverse.yaw).toRotationMatrix();
     const Eigen::Vector2d t(inverse.x, inverse.y);
+    CellReader reader(*submap.grid);
     for (int y = 0; y < kTileCells; ++y) {
       for (int x = 0; x < kTileCells; ++x) {
         const Eigen::Vector2d p_map((index.first * kTileCells + x + 0.5) * resolution_m,
                                     (index.second * kTileCells + y + 0.5) * resolution_m);
-        const Eigen::Vector2d p = R * p_map + t;
-        const std::uint8_t cell =
-            submap.grid->at(submap.grid->cell_of(p.x()), submap.grid->cell_of(p.y()));
+        const std::uint8_t cell = reader.at(R * p_map + t);
         if (cell == kUnknownCell) continue;
         const auto i = static_cast<std::size_t>(y * kTileCells + x);
         sum[i] += kLogOdds[cell];
