@@ -18,8 +18,10 @@ void add_statistics(Json& json, const std::string& prefix, const std::string& un
   json[prefix + "_max_" + unit] = s.max;
 }
 
-void add_pose_errors(Json& json, const Trajectory& reference, const Trajectory& estimate) {
+void add_pose_errors(Json& json, const Trajectory& reference, const Trajectory& estimate,
+                     const TimeWindow& played) {
   EvaluationOptions options;
+  options.window = played;
   options.alignment = Alignment::kSe3;
   const auto ape = evaluate_ape(reference, estimate, options);
   if (!ape) {
@@ -72,7 +74,7 @@ Json channel_metrics(const std::map<std::string, status_t>& peers,
           {"channels", counts}};
 }
 
-Json accuracy_metrics(const RunOptions& options) {
+Json accuracy_metrics(const RunOptions& options, const PlaybackResult& playback) {
   Json json = Json::object();
   const auto trajectory_file = options.out / "trajectory.tum";
   const auto reference_file = options.out / "groundtruth.tum";
@@ -80,7 +82,9 @@ Json accuracy_metrics(const RunOptions& options) {
   try {
     const Trajectory estimate = read_tum(trajectory_file).trajectory;
     if (std::filesystem::exists(reference_file))
-      add_pose_errors(json, read_tum(reference_file).trajectory, estimate);
+      add_pose_errors(json, read_tum(reference_file).trajectory, estimate,
+                      {1e-6 * static_cast<double>(playback.first_sensor_utime_us),
+                       1e-6 * static_cast<double>(playback.last_sensor_utime_us)});
     if (options.relations.empty()) return json;
     RelationsOptions relations;
     relations.time_offset_s = options.relations_time_offset_s;

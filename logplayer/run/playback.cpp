@@ -1,9 +1,21 @@
 #include "logplayer/run/playback.hpp"
 
 #include "libs/eventlog/reader.hpp"
+#include "libs/schema/guard.hpp"
 #include "logplayer/run/interrupt.hpp"
 
 namespace fusion_slam {
+namespace {
+
+void note_sensor_time(const LogEvent& event, PlaybackResult* result) {
+  if (event.channel != "CAMERA" && event.channel != "LIDAR") return;
+  const auto utime_us = peek_utime(event.data.data(), event.data.size());
+  if (!utime_us) return;
+  if (result->first_sensor_utime_us == 0) result->first_sensor_utime_us = *utime_us;
+  result->last_sensor_utime_us = *utime_us;
+}
+
+}  // namespace
 
 PlaybackResult play_log(const std::filesystem::path& log, std::int64_t most_events,
                         Conductor& conductor, Progress& progress,
@@ -20,6 +32,7 @@ PlaybackResult play_log(const std::filesystem::path& log, std::int64_t most_even
     if (!is_sensor_channel(event.channel)) continue;
     if (n++ == 0) result.first_utime_us = event.timestamp_us;
     result.last_utime_us = event.timestamp_us;
+    note_sensor_time(event, &result);
     on_event(event);
     if (conductor.play(event))
       ++result.played[event.channel];

@@ -17,6 +17,8 @@ struct PlaybackResult {
   std::int64_t repeats_skipped = 0;
   std::int64_t first_utime_us = 0;  // log time
   std::int64_t last_utime_us = 0;
+  std::int64_t first_sensor_utime_us = 0;  // measurement time of CAMERA and LIDAR
+  std::int64_t last_sensor_utime_us = 0;
   std::string damage;  // the log ended early, and why; empty: it was whole
   bool interrupted = false;
 };

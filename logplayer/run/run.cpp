@@ -96,7 +96,7 @@ void write_metrics(const RunOptions& options, const Outcome& outcome) {
                {"complete", outcome.problem.empty()},
                {"coverage_percent", outcome.session.coverage_percent}};
   if (!outcome.problem.empty()) json["problem"] = outcome.problem;
-  json.update(accuracy_metrics(options));
+  json.update(accuracy_metrics(options, outcome.playback));
   json["camera_frames"] = outcome.session.camera_frames;
   json["lidar_scans"] = outcome.session.lidar_scans;
   json["trajectory_poses"] = outcome.session.trajectory_poses;
