@@ -27,7 +27,7 @@ template <class Visit>
 void for_known_cells(const TileIndex& index, const FusedCells& cells, Visit visit) {
   for (int y = 0; y < kTileCells; ++y) {
     for (int x = 0; x < kTileCells; ++x) {
-      const auto i = static_cast<std::size_t>(y * kTileCells + x);
+      const std::size_t i = static_cast<std::size_t>(y) * kTileCells + static_cast<std::size_t>(x);
       if (cells.probability[i] != kUnknownCell)
         visit(std::int64_t{index.first} * kTileCells + x,
               std::int64_t{index.second} * kTileCells + y, i);

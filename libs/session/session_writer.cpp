@@ -78,6 +78,7 @@ void write_maps(const MapCollection& maps, const std::vector<FinalPose>& way, Ou
   std::string why;
   if (const auto raster = maps.grid(&result->map_source, &why)) {
     std::vector<Eigen::Vector2d> way_m;
+    way_m.reserve(way.size());
     for (const FinalPose& pose : way) way_m.emplace_back(pose.T_map_base.translation().head<2>());
     output->write("map.pgm", pgm_bytes(*raster));
     output->write("map.yaml", map_yaml(*raster, "map.pgm"));

@@ -48,7 +48,7 @@ bool PoseGraph::may_still_come(NodeKind sensor, std::int64_t utime_us) const {
 
 // Nothing: wait, the other sensor will know better soon.
 std::optional<PoseGraph::Hang> PoseGraph::hang(const NodeInput& node) const {
-  if (const auto found = hang_on_other_sensor(node)) return found;
+  if (auto found = hang_on_other_sensor(node)) return found;
   const NodeKind other = node.id.kind == NodeKind::kLidar ? NodeKind::kKeyframe : NodeKind::kLidar;
   if (may_still_come(other, node.utime_us)) return std::nullopt;
   return hang_on_last_known(node);

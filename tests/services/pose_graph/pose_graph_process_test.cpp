@@ -1,0 +1,117 @@
+// The process on a private bus: LIDAR_POSE and LIDAR_NODE in, GRAPH and POSE out.
+#include "services/pose_graph/pose_graph_process.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "fusion_slam/graph_t.hpp"
+#include "libs/bus/transport.hpp"
+#include "libs/messages/convert.hpp"
+#include "libs/messages/models.hpp"
+
+namespace fusion_slam {
+namespace {
+
+class PoseGraphOnBus : public ::testing::Test {
+ protected:
+  PoseGraphOnBus() : transport_(std::make_shared<Transport>("memq://")) {
+    bus_ = std::make_unique<Bus>(options("pose_graph"), transport_);
+    world_ = std::make_unique<Bus>(options("world"), transport_);
+    process_ = std::make_unique<PoseGraphProcess>(*bus_);
+    world_->subscribe<graph_t>("GRAPH", Policy::kKeepAll, [this](const graph_t& m) {
+      if (m.complete != 0) complete_nodes_[m.part] = m.nodes.size();
+      largest_part_ = std::max(largest_part_, m.nodes.size());
+      last_revision_ = m.revision;
+    });
+    world_->subscribe<pose_estimate_t>("POSE", Policy::kKeepAll,
+                                       [this](const pose_estimate_t& m) { poses_.push_back(m); });
+  }
+  static BusOptions options(const std::string& name) {
+    BusOptions options;
+    options.process = name;
+    options.mode = Mode::kThroughput;
+    options.merge_wait_us = 0;
+    return options;
+  }
+  template <class Condition>
+  bool soon(Condition condition) {
+    for (int i = 0; i < 1500 && !condition(); ++i) {
+      while (bus_->handle(1)) {
+      }
+      while (world_->handle(1)) {
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return condition();
+  }
+  void drive(int nodes) {
+    for (int id = 1; id <= nodes; ++id) {
+      const std::int64_t utime_us = id * 100'000;
+      pose_estimate_t pose{};
+      pose.utime = utime_us;
+      pose.state = pose_estimate_t::OK;
+      pose.T_frame_base = to_message(from_xyz_rpy(id, 0, 0, 0, 0, 0), utime_us);
+      pose.reference_kind = graph_node_t::LIDAR;
+      pose.reference_id = id;
+      pose.T_reference_base = to_message(SE3::Identity(), utime_us);
+      world_->publish("LIDAR_POSE", pose);
+      lidar_node_t node{};
+      node.utime = utime_us;
+      node.id = id;
+      node.previous_id = id - 1;
+      node.T_odom_base = pose.T_frame_base;
+      node.T_previous_base = to_message(from_xyz_rpy(1, 0, 0, 0, 0, 0), utime_us);
+      world_->publish("LIDAR_NODE", node);
+    }
+  }
+
+  std::shared_ptr<Transport> transport_;
+  std::unique_ptr<Bus> bus_, world_;
+  std::unique_ptr<PoseGraphProcess> process_;
+  std::map<int, std::size_t> complete_nodes_;
+  std::size_t largest_part_ = 0;
+  std::int64_t last_revision_ = 0;
+  std::vector<pose_estimate_t> poses_;
+};
+
+TEST_F(PoseGraphOnBus, SaysPosesAndTheWholeGraphInParts) {
+  RobotModel robot;
+  robot.has_lidar = true;
+  world_->publish("ROBOT_MODEL", to_message(robot, 1000));
+  drive(900);
+  ASSERT_TRUE(soon([this] { return poses_.size() == 900; })) << poses_.size();
+  for (const pose_estimate_t& pose : poses_) {
+    EXPECT_EQ(pose.frame, "map");
+    EXPECT_EQ(pose.state, pose_estimate_t::OK);
+    EXPECT_NEAR(pose.T_frame_base.trans[0], static_cast<double>(pose.reference_id - 1), 1e-9);
+  }
+  command_t finish{};
+  finish.verb = "finish";
+  complete_nodes_.clear();
+  world_->publish("COMMAND", finish);
+  ASSERT_TRUE(soon([this] { return complete_nodes_.size() == 3; }));
+  EXPECT_EQ(complete_nodes_.at(0) + complete_nodes_.at(1) + complete_nodes_.at(2), 900U);
+  EXPECT_LE(largest_part_, 400U);
+  EXPECT_EQ(last_revision_, 900);
+}
+
+TEST_F(PoseGraphOnBus, BadInputIsReportedAndDropped) {
+  constraint_t constraint{};  // its quaternion is no rotation
+  world_->publish("CONSTRAINT", constraint);
+  keyframe_t keyframe{};
+  keyframe.id = 1;
+  world_->publish("KEYFRAME", keyframe);
+  ASSERT_TRUE(soon([this] { return !bus_->status().last_error.empty(); }));
+  drive(1);
+  EXPECT_TRUE(soon([this] { return poses_.size() == 1; }));
+}
+
+}  // namespace
+}  // namespace fusion_slam
