@@ -27,7 +27,9 @@ struct LidarMapperConfig {
   // --- match
   double max_window_m = 2.0;         // after a gap in the scans
   double retry_window_factor = 3.0;  // second search when the first match disagrees with the map
-  double weak_agreement = 0.5;       // of the points in known space
+  double retry_window_m = 0.4;       // at least: wheels slip, cameras err
+  double retry_window_rad = 0.6;
+  double weak_agreement = 0.5;  // of the points in known space
   double lost_agreement = 0.3;
   double lost_coverage = 0.1;      // of all points: so few in known space match anything
   double weak_sigma_m = 0.03;      // worst direction, of the scan alone: a corridor

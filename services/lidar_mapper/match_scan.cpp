@@ -54,8 +54,10 @@ ScanMatch match_scan(const Submap& submap, const SearchPyramid& pyramid, const P
   window.angular_rad = prediction.window_rad;
   Attempt best = attempt(submap.raster(), pyramid, coarse, fine, predicted, window);
   if (best.overlap.agreement() < config.weak_agreement) {  // it moved in a way nobody foresaw?
-    window.linear_m = std::min(config.retry_window_factor * window.linear_m, config.max_window_m);
-    window.angular_rad = std::min(config.retry_window_factor * window.angular_rad, M_PI);
+    window.linear_m = std::clamp(config.retry_window_factor * window.linear_m,
+                                 config.retry_window_m, config.max_window_m);
+    window.angular_rad =
+        std::clamp(config.retry_window_factor * window.angular_rad, config.retry_window_rad, M_PI);
     const Attempt wide = attempt(submap.raster(), pyramid, coarse, fine, predicted, window);
     if (wide.overlap.n_matched > best.overlap.n_matched) best = wide;
   }
