@@ -1,5 +1,5 @@
-// Rigid motions. T_a_b takes points in b to a: p_a = T_a_b * p_b. Lengths in metres, angles in radians.
-// All functions are pure and may be called from any thread.
+// Rigid motions. T_a_b takes points in b to a: p_a = T_a_b * p_b. Lengths in metres, angles in
+// radians. All functions are pure and may be called from any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,14 +33,17 @@ Eigen::Matrix3d exp_so3(const Eigen::Vector3d& rotation_vector);
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 
 // Retraction used for every covariance of this project: T * (translation, exp(rotation)), with
-// xi = (translation 3, rotation 3) in T's own axes. local() is its inverse: retract(T, local(T, U)) = U.
+// xi = (translation 3, rotation 3) in T's own axes. local() is its inverse: retract(T, local(T, U))
+// = U.
 SE3 retract(const SE3& T, const Vector6d& xi);
 Vector6d local(const SE3& T, const SE3& other);
 
-// On the path from a (fraction 0) to b (fraction 1): translation linear, rotation slerp. Extrapolates.
+// On the path from a (fraction 0) to b (fraction 1): translation linear, rotation slerp.
+// Extrapolates.
 SE3 interpolate(const SE3& a, const SE3& b, double fraction);
 
-// From position (m) and quaternion w, x, y, z (normalised here; a zero quaternion counts as identity).
+// From position (m) and quaternion w, x, y, z (normalised here; a zero quaternion counts as
+// identity).
 SE3 make_pose(const Eigen::Vector3d& position_m, double w, double x, double y, double z);
 
 // SE(2) as SE(3) with z, roll and pitch 0; and the projection back (yaw of the x axis).
@@ -50,7 +53,8 @@ SE2 to_se2(const SE3& pose);
 // From x, y, z (m) and roll, pitch, yaw (rad), R = Rz(yaw) * Ry(pitch) * Rx(roll).
 SE3 from_xyz_rpy(double x, double y, double z, double roll, double pitch, double yaw);
 
-// The rotation of a camera that looks along base x: T_base_camera of an optical frame without offset.
+// The rotation of a camera that looks along base x: T_base_camera of an optical frame without
+// offset.
 Eigen::Matrix3d optical_to_body();
 
 }  // namespace fusion_slam

@@ -1,5 +1,5 @@
-// Between the wire's types and the project's own. Pure functions; from_message never trusts what it reads: a quaternion
-// that is not a rotation or a number that is not finite gives nothing.
+// Between the wire's types and the project's own. Pure functions; from_message never trusts what it
+// reads: a quaternion that is not a rotation or a number that is not finite gives nothing.
 #pragma once
 
 #include <optional>

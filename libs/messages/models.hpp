@@ -1,5 +1,6 @@
-// CAMERA_MODEL, ROBOT_MODEL and LIDAR between the wire and the project's own types. from_message gives nothing, with a reason
-// in `why`, when a number can't be what it says (negative size, not finite, not a rotation).
+// CAMERA_MODEL, ROBOT_MODEL and LIDAR between the wire and the project's own types. from_message
+// gives nothing, with a reason in `why`, when a number can't be what it says (negative size, not
+// finite, not a rotation).
 #pragma once
 
 #include <optional>

@@ -15,9 +15,9 @@ enum class ReferenceFrame { kBase, kCamera, kLidar };
 struct LidarModel {
   double range_min_m = 0.15;
   double range_max_m = 12.0;
-  double sigma_m = 0.02;        // standard deviation of a range
+  double sigma_m = 0.02;  // standard deviation of a range
   double rate_hz = 5.5;
-  double beam_period_s = 0.0;   // beam i was measured at utime + i * this; 0: all at once
+  double beam_period_s = 0.0;  // beam i was measured at utime + i * this; 0: all at once
 };
 
 struct RobotModel {
@@ -46,7 +46,7 @@ struct RobotModel {
 struct LaserScan {
   std::int64_t utime_us = 0;  // of the first beam
   double rad0 = 0.0;
-  double radstep = 0.0;       // negative: clockwise
+  double radstep = 0.0;         // negative: clockwise
   std::vector<float> ranges_m;  // anything outside the model's range, nan and inf: no return
   std::vector<float> intensities;
 };

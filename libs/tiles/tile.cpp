@@ -1,9 +1,9 @@
 #include "libs/tiles/tile.hpp"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <stdexcept>
+
+#include <zlib.h>
 
 namespace fusion_slam {
 

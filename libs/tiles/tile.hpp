@@ -1,4 +1,5 @@
-// A tile: one numbered piece of a large map, small enough for a datagram. Plain data; libs/messages turns it into tile_t.
+// A tile: one numbered piece of a large map, small enough for a datagram. Plain data; libs/messages
+// turns it into tile_t.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,7 @@ struct TileKey {
   std::int32_t z = 0;
 
   bool operator<(const TileKey& other) const {
-    return std::tie(submap_id, x, y, z) <
-           std::tie(other.submap_id, other.x, other.y, other.z);
+    return std::tie(submap_id, x, y, z) < std::tie(other.submap_id, other.x, other.y, other.z);
   }
   bool operator==(const TileKey& other) const {
     return submap_id == other.submap_id && x == other.x && y == other.y && z == other.z;

@@ -1,11 +1,11 @@
 // Finds the real recordings, which are not part of the repository.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+
+#include <gtest/gtest.h>
 
 namespace fusion_slam {
 

@@ -1,9 +1,9 @@
 #include "libs/geometry/pose.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <random>
+
+#include <gtest/gtest.h>
 
 namespace fusion_slam {
 namespace {
