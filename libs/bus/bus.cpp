@@ -53,13 +53,13 @@ void Bus::publish_raw(const std::string& channel,
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   const auto bytes = encode(impl_->outbox.next_seq(channel));
   impl_->outbox.sent(channel, bytes);
-  impl_->transport->publish(channel, bytes);
+  impl_->send(channel, bytes);
 }
 
 void Bus::publish_bytes(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   impl_->outbox.sent(channel, bytes);
-  impl_->transport->publish(channel, bytes);
+  impl_->send(channel, bytes);
 }
 
 void Bus::publish_tile(const std::string& channel, tile_t tile) {
@@ -67,7 +67,7 @@ void Bus::publish_tile(const std::string& channel, tile_t tile) {
   tile.seq = impl_->outbox.next_seq(channel);
   const auto bytes = bus_detail::encode(tile);
   impl_->outbox.sent_tile(channel, {tile.submap_id, tile.x, tile.y, tile.z}, tile.revision, bytes);
-  impl_->transport->publish(channel, bytes);
+  impl_->send(channel, bytes);
 }
 
 void Bus::run() {

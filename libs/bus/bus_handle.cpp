@@ -2,6 +2,7 @@
 // the other.
 #include <chrono>
 #include <iostream>
+#include <thread>
 #include <utility>
 
 #include <sys/resource.h>
@@ -13,6 +14,9 @@ namespace fusion_slam {
 namespace {
 
 constexpr std::int64_t kErrorsPrinted = 20;
+constexpr std::int64_t kBurst_us = 2'000;
+constexpr int kBurstMessages = 8;
+constexpr std::size_t kBurstBytes = 400'000;
 
 std::map<std::string, std::int64_t> counts_of(const step_t& step) {
   std::map<std::string, std::int64_t> counts;
@@ -65,6 +69,27 @@ void Bus::Impl::handle_item(const InboxItem& item) {
   inbox.processed(item);
   latency.add(static_cast<double>(now_us() - item.arrival_us));
   ++activity;
+}
+
+// Plain LCM listeners (lcm-logger, lcm-spy) queue 30 messages and drop the newest; their sockets
+// hold a few hundred KB. Long bursts are therefore spread: ours would repair the loss, theirs
+// can't.
+void Bus::Impl::send(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+  const std::int64_t now = now_us();
+  if (now - burst_begin_us > kBurst_us) {
+    burst_begin_us = now;
+    burst_messages = 0;
+    burst_bytes = 0;
+  }
+  if (burst_messages >= kBurstMessages || burst_bytes >= kBurstBytes) {
+    std::this_thread::sleep_for(std::chrono::microseconds(kBurst_us));
+    burst_begin_us = now_us();
+    burst_messages = 0;
+    burst_bytes = 0;
+  }
+  ++burst_messages;
+  burst_bytes += bytes.size();
+  transport->publish(channel, bytes);
 }
 
 bool Bus::Impl::handle_one(int timeout_ms) {

@@ -44,6 +44,7 @@ struct Bus::Impl {
   void call_timers();
 
   // --- any thread ---
+  void send(const std::string& channel, const std::vector<std::uint8_t>& bytes);  // out_mutex held
   void report(const std::string& text);
   status_t status() const;
   void send_status();
@@ -87,6 +88,9 @@ struct Bus::Impl {
 
   mutable std::mutex out_mutex;  // of the outbox side
   Outbox outbox;
+  std::int64_t burst_begin_us = 0;
+  int burst_messages = 0;
+  std::size_t burst_bytes = 0;
   std::deque<std::pair<std::string, Outbox::Bytes>> to_resend;
 
   std::vector<Timer> timers;  // handling thread only

@@ -17,6 +17,6 @@ nlohmann::ordered_json channel_metrics(const std::map<std::string, status_t>& pe
 // ape_rmse_m, rpe_rmse_m and their kin from OUT/trajectory.tum against OUT/groundtruth.tum,
 // relations_* against the relations file; only the fields for which there is a reference. What
 // can't be computed is said in "evaluation_problem".
-nlohmann::ordered_json accuracy_metrics(const RunOptions& options);
+nlohmann::ordered_json accuracy_metrics(const RunOptions& options, const PlaybackResult& playback);
 
 }  // namespace fusion_slam

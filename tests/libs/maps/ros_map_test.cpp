@@ -88,7 +88,12 @@ TEST(RosMap, EveryCellIsFoundWhereMapServerLooksForIt) {
       const auto pixel = static_cast<unsigned char>(
           pgm.pixels[static_cast<std::size_t>(row * pgm.width + column)]);
       const CellState state = cell_state(cells.probability[static_cast<std::size_t>(i)]);
-      EXPECT_EQ(pixel, state == CellState::kFree ? 254 : state == CellState::kOccupied ? 0 : 205);
+      // As map_server reads it: by the thresholds in the YAML.
+      const double occupied = (255.0 - pixel) / 255.0;
+      const CellState read = occupied > std::stod(yaml.at("occupied_thresh")) ? CellState::kOccupied
+                             : occupied < std::stod(yaml.at("free_thresh"))   ? CellState::kFree
+                                                                              : CellState::kUnknown;
+      EXPECT_EQ(read, state) << static_cast<int>(pixel);
     }
   }
 }
