@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 const fs::path kPrograms = FS_BINARY_DIR "/bin";
 
 fs::path folder(const std::string& name) {
-  const fs::path path = fs::path(FS_BINARY_DIR) / "tests" / "run_test" / name;
+  const fs::path path = fs::path(FS_BINARY_DIR) / "tests" / "run_results" / name;
   fs::create_directories(path);
   return path;
 }
