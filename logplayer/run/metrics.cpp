@@ -1,8 +1,12 @@
 #include "logplayer/run/metrics.hpp"
 
+#include <algorithm>
+
 #include "libs/evaluation/relations.hpp"
 #include "libs/evaluation/trajectory_error.hpp"
 #include "libs/evaluation/tum_file.hpp"
+#include "libs/eventlog/reader.hpp"
+#include "libs/eventlog/summary.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -72,6 +76,23 @@ Json channel_metrics(const std::map<std::string, status_t>& peers,
           {"late_total", late},
           {"rejected_total", rejected},
           {"channels", counts}};
+}
+
+std::int64_t missing_in_session(const std::filesystem::path& session,
+                                const std::map<std::string, std::int64_t>& counts) {
+  try {
+    LogReader reader(session);
+    const LogSummary summary = summarise(reader);
+    std::int64_t missing = 0;
+    for (const auto& [channel, count] : counts) {
+      const auto logged = summary.channels.find(channel);
+      const std::int64_t n = logged == summary.channels.end() ? 0 : logged->second.n_messages;
+      missing += std::max<std::int64_t>(0, count - n);
+    }
+    return missing;
+  } catch (const std::exception&) {
+    return -1;
+  }
 }
 
 Json accuracy_metrics(const RunOptions& options, const PlaybackResult& playback) {

@@ -109,6 +109,9 @@ void write_metrics(const RunOptions& options, const Outcome& outcome) {
   json["real_time_factor"] = outcome.wall_s > 0.0 ? duration_s / outcome.wall_s : 0.0;
   json["repeated_events_skipped"] = outcome.playback.repeats_skipped;
   json.update(channel_metrics(outcome.peers, outcome.counts));
+  if (options.keep_session)
+    json["session_missing_total"] =
+        missing_in_session(options.out / "session.lcmlog", outcome.counts);
   json["processes"] = process_metrics(outcome.peers);
   const auto partial = options.out / "metrics.json.partial";
   {
@@ -125,7 +128,8 @@ void tell(const RunOptions& options, const Outcome& outcome) {
   for (const char* key :
        {"coverage_percent", "ape_rmse_m", "rpe_rmse_m", "relations_used", "relations_total",
         "relations_translation_mean_m", "relations_rotation_mean_deg", "evaluation_problem",
-        "duration_s", "wall_s", "real_time_factor", "dropped_total", "lost_total"})
+        "duration_s", "wall_s", "real_time_factor", "dropped_total", "lost_total",
+        "session_missing_total"})
     if (json.contains(key)) std::cout << "  " << key << ": " << json[key] << "\n";
   std::cout << "  files in " << options.out.string() << ":";
   for (const std::string& name : outcome.session.files) std::cout << " " << name;
