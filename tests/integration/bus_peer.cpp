@@ -1,11 +1,13 @@
 // A process for bus tests over real UDP: `bus_peer send N BYTES` publishes N numbered images to
-// KEYFRAME_IMAGE as fast as it can; `bus_peer tiles N` holds N tiles of GRID_FUSED; `bus_peer
-// garbage N` sends N forged messages. Then it serves requests until it is stopped.
+// KEYFRAME_IMAGE as fast as it can; `bus_peer camera N BYTES` the same without numbers to CAMERA;
+// `bus_peer tiles N` holds N tiles of GRID_FUSED; `bus_peer garbage N` sends N forged messages.
+// Then it serves requests until it is stopped.
 #include <iostream>
 #include <random>
 #include <string>
 #include <thread>
 
+#include "bot_core/images_t.hpp"
 #include "fusion_slam/keyframe_image_t.hpp"
 #include "libs/bus/bus.hpp"
 #include "libs/bus/tile_channel.hpp"
@@ -26,6 +28,21 @@ void send_images(Bus& bus, int n, int bytes) {
                                          static_cast<std::uint8_t>(i));
     message.images.images[0].nmetadata = 0;
     bus.publish("KEYFRAME_IMAGE", std::move(message));
+  }
+}
+
+// Messages without a number, as a camera's.
+void send_camera(Bus& bus, int n, int bytes) {
+  for (int i = 1; i <= n; ++i) {
+    bot_core::images_t message{};
+    message.utime = i;
+    message.n_images = 1;
+    message.image_types = {0};
+    message.images.resize(1);
+    message.images[0].size = bytes;
+    message.images[0].data.assign(static_cast<std::size_t>(bytes), static_cast<std::uint8_t>(i));
+    message.images[0].nmetadata = 0;
+    bus.publish("CAMERA", std::move(message));
   }
 }
 
@@ -59,11 +76,13 @@ void send_garbage(Bus& bus, int n) {
 
 int main_of(const std::string& role, int n, int bytes) {
   BusOptions options;
+  if (role == "camera") options.mode = Mode::kThroughput;
   options.process = "peer";
   Bus bus(options);
   std::thread loop([&] { bus.run(); });
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   if (role == "send") send_images(bus, n, bytes);
+  if (role == "camera") send_camera(bus, n, bytes);
   if (role == "tiles") send_tiles(bus, n);
   if (role == "garbage") send_garbage(bus, n);
   std::cout << "done" << std::endl;

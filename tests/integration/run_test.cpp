@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "libs/eventlog/reader.hpp"
+#include "libs/eventlog/writer.hpp"
 #include "libs/process/child.hpp"
 
 namespace fusion_slam {
@@ -143,6 +145,35 @@ TEST(Run, AServiceThatDiesEndsTheRunWithItsLastLines) {
   EXPECT_EQ(finish(run), "exit code 1");
   EXPECT_NE(run.last_lines(50).find("fuser ended: signal 9"), std::string::npos)
       << run.last_lines(50);
+}
+
+TEST(Run, AnEventThatCannotBeDecodedIsSkippedAndCounted) {
+  const fs::path out = folder("damaged");
+  const fs::path log = folder("recording") / "damaged.lcm";
+  {
+    LogReader reader(recording());
+    LogWriter writer(log);
+    LogEvent event;
+    for (int n = 0; n < 60 && reader.next(&event); ++n) {
+      if (event.channel == "CAMERA" && n > 20) event.data.resize(event.data.size() / 2);
+      writer.write(event.timestamp_us, event.channel, event.data);
+    }
+    writer.close();
+  }
+  Child run = start_run(log, out, {"--no-session"});
+  ASSERT_EQ(finish(run), "exit code 0") << run.last_lines(30);
+  EXPECT_GT(metrics(out)["undecodable_events_skipped"], 0);
+  EXPECT_EQ(metrics(out)["dropped_total"], 0);
+}
+
+TEST(Run, DoesNotOverwriteTheLogItReads) {
+  const fs::path out = folder("own_session");
+  const fs::path log = out / "session.lcmlog";
+  fs::copy_file(recording(), log, fs::copy_options::overwrite_existing);
+  Child run("run", {kPrograms / "run", log, "--out", out}, out / "run.log");
+  EXPECT_EQ(finish(run), "exit code 1");
+  EXPECT_TRUE(bytes_of(log) == bytes_of(recording()));
+  EXPECT_NE(run.last_lines(50).find("overwrite"), std::string::npos) << run.last_lines(50);
 }
 
 TEST(Run, AForeignFileIsNamed) {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bot_core/images_t.hpp"
 #include "fusion_slam/keyframe_image_t.hpp"
 #include "libs/bus/bus.hpp"
 #include "libs/bus/tile_channel.hpp"
@@ -79,6 +80,17 @@ TEST_F(UdpBus, SoItDoesThroughABufferTooSmallForTheBurst) {
   // The kernel drops most of the burst; what the bus asks for again comes paced.
   setenv("LCM_DEFAULT_URL", (network().url + "&recv_buf_size=120000").c_str(), 1);
   receive_images(40, 100'000);
+}
+
+TEST_F(UdpBus, SoDoMessagesWithoutNumbersInAReplay) {
+  setenv("LCM_DEFAULT_URL", (network().url + "&recv_buf_size=120000").c_str(), 1);
+  Bus bus(receiver(Mode::kThroughput));
+  std::multiset<std::int64_t> utimes;
+  bus.subscribe<bot_core::images_t>("CAMERA", Policy::kKeepAll,
+                                    [&](const bot_core::images_t& m) { utimes.insert(m.utime); });
+  Child sender = peer({"camera", "40", "100000"});
+  EXPECT_TRUE(within(60, bus, [&] { return utimes.size() >= 40; })) << utimes.size();
+  for (int i = 1; i <= 40; ++i) EXPECT_EQ(utimes.count(i), 1U) << i;
 }
 
 TEST_F(UdpBus, SoItDoesOverALossyNetwork) {
