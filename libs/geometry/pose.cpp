@@ -96,6 +96,18 @@ SE3 from_xyz_rpy(double x, double y, double z, double roll, double pitch, double
   return T;
 }
 
+Eigen::Matrix3d rotation_to_z(const Eigen::Vector3d& up) {
+  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
+SE3 levelling(const SE3& T_old_a, const SE3& T_new_a) {
+  const Eigen::Vector3d up_a = T_new_a.linear().transpose() * Eigen::Vector3d::UnitZ();
+  SE3 L = SE3::Identity();
+  L.linear() = rotation_to_z(T_old_a.linear() * up_a);
+  L.translation().z() = T_new_a.translation().z() - (L.linear() * T_old_a.translation()).z();
+  return L;
+}
+
 Eigen::Matrix3d optical_to_body() {
   Eigen::Matrix3d R;
   R << 0, 0, 1, -1, 0, 0, 0, -1, 0;

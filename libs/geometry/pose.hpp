@@ -53,6 +53,14 @@ SE2 to_se2(const SE3& pose);
 // From x, y, z (m) and roll, pitch, yaw (rad), R = Rz(yaw) * Ry(pitch) * Rx(roll).
 SE3 from_xyz_rpy(double x, double y, double z, double roll, double pitch, double yaw);
 
+// The smallest rotation that takes `up` (unit) to z.
+Eigen::Matrix3d rotation_to_z(const Eigen::Vector3d& up);
+
+// The motion L of a whole map (p_new = L * p_old) that gives a pose in it the z, roll and pitch of
+// T_new_a and turns and shifts everything else as little as that allows: the smallest rotation,
+// about the map's origin, then a shift along z. The origin's x and y stay.
+SE3 levelling(const SE3& T_old_a, const SE3& T_new_a);
+
 // The rotation of a camera that looks along base x: T_base_camera of an optical frame without
 // offset.
 Eigen::Matrix3d optical_to_body();

@@ -48,18 +48,18 @@ std::vector<std::int8_t> compose_voxels(const DenseSubmaps& submaps, const Latti
   const auto volume = static_cast<std::size_t>(box.size.prod());
   std::vector<std::int16_t> sum(volume, kUnknownLogOdds);
   for (const auto& [id, submap] : submaps) {
-    const SE3 T_submap_lattice = submap.T_map_submap.inverse() * box.T_map_lattice;
+    const SE3 T_submap_map = submap.T_map_submap.inverse();
     Range wanted;
     for (int i = 0; i < 8; ++i)
-      wanted.include(T_submap_lattice *
+      wanted.include(T_submap_map *
                      corner(i, box.low_m, box.size.cast<double>() * box.resolution_m) /
                      box.resolution_m);
     if (!wanted.overlaps(range_of(submap.voxels))) continue;
     // In voxels of the submap: the first centre, and the way from one to the next along each axis.
-    const Eigen::Vector3d first = T_submap_lattice *
+    const Eigen::Vector3d first = T_submap_map *
                                   (box.low_m + Eigen::Vector3d::Constant(box.resolution_m / 2)) /
                                   box.resolution_m;
-    const Eigen::Matrix3d axes = T_submap_lattice.linear();
+    const Eigen::Matrix3d axes = T_submap_map.linear();
     VoxelReader reader(submap.voxels);
     std::size_t i = 0;
     for (int z = 0; z < box.size.z(); ++z) {
@@ -104,13 +104,13 @@ std::map<TileKey, std::vector<ColouredPoint>> compose_cloud(const DenseSubmaps& 
   return gathered;
 }
 
-TileRange tiles_of_block(const BlockIndex& block, double resolution_m, const SE3& T_lattice_submap,
+TileRange tiles_of_block(const BlockIndex& block, double resolution_m, const SE3& T_map_submap,
                          double edge_m) {
   const double block_m = kBlockVoxels * resolution_m;
   const Eigen::Vector3d low_m = Eigen::Vector3d(block.x, block.y, block.z) * block_m;
   Range range;
   for (int i = 0; i < 8; ++i)
-    range.include(T_lattice_submap * corner(i, low_m, Eigen::Vector3d::Constant(block_m)));
+    range.include(T_map_submap * corner(i, low_m, Eigen::Vector3d::Constant(block_m)));
   TileRange tiles;
   tiles.low = (range.low / edge_m).floor().cast<int>();
   tiles.high = (range.high / edge_m).floor().cast<int>();

@@ -13,10 +13,9 @@ namespace fusion_slam {
 
 using DenseSubmaps = std::map<std::int64_t, DenseSubmap>;  // by id
 
-// A box of voxels of a lattice frame (the map, or the levelled map).
+// A box of voxels of the map.
 struct LatticeBox {
-  SE3 T_map_lattice = SE3::Identity();
-  Eigen::Vector3d low_m = Eigen::Vector3d::Zero();  // low corner, lattice frame
+  Eigen::Vector3d low_m = Eigen::Vector3d::Zero();  // low corner, map frame
   Eigen::Vector3i size = Eigen::Vector3i::Zero();   // voxels
   double resolution_m = 0.05;
 };
@@ -30,12 +29,12 @@ std::map<TileKey, std::vector<ColouredPoint>> compose_cloud(const DenseSubmaps& 
                                                             const std::set<TileKey>& keys,
                                                             double cloud_resolution_m);
 
-// Range of lattice tiles of edge_m (in each axis) that a block of a submap touches.
+// Range of tiles of the map of edge_m (in each axis) that a block of a submap touches.
 struct TileRange {
   Eigen::Vector3i low;
   Eigen::Vector3i high;  // included
 };
-TileRange tiles_of_block(const BlockIndex& block, double resolution_m, const SE3& T_lattice_submap,
+TileRange tiles_of_block(const BlockIndex& block, double resolution_m, const SE3& T_map_submap,
                          double edge_m);
 
 }  // namespace fusion_slam

@@ -11,20 +11,12 @@ namespace {
 
 constexpr double kCloudVoxelsPerCell = 2.0;  // the cloud is twice as fine as the OctoMap
 constexpr double kExactSlackM = 1e-6;        // rounding is not motion
-constexpr double kSubmapRadiusM = 4.0;    // how far from its anchor a submap matters, for the slack
-constexpr double kRelevelRad = 0.005;     // a new up direction is worth composing the raster again
-constexpr double kRelevelFraction = 0.5;  // so is a new floor height, in cells
+constexpr double kSubmapRadiusM = 4.0;  // how far from its anchor a submap matters, for the slack
 
 // How far `to` moves a point at the submap's rim against `from`.
 double largest_move_m(const SE3& from, const SE3& to) {
   const SE3 moved = from.inverse() * to;
   return moved.translation().norm() + log_so3(moved.linear()).norm() * kSubmapRadiusM;
-}
-
-bool worth_levelling(const Level& from, const Level& to, double resolution_m) {
-  const SE3 moved = from.T_level_map * to.T_level_map.inverse();
-  return from.floor_seen != to.floor_seen || log_so3(moved.linear()).norm() > kRelevelRad ||
-         std::abs(moved.translation().z()) > kRelevelFraction * resolution_m;
 }
 
 }  // namespace
@@ -54,6 +46,7 @@ bool DenseMapper::add_keyframe(std::int64_t id, const RgbdFrame& frame) {
 void DenseMapper::set_pose(std::int64_t id, const SE3& T_map_base, std::int64_t utime_us) {
   T_map_base_[id] = T_map_base;
   graph_us_ = std::max(graph_us_, utime_us);
+  if (wish_ && id == wish_->anchor_id) check_wish();
 }
 
 void DenseMapper::integrate_ready() {
@@ -92,7 +85,7 @@ bool DenseMapper::needs_placing(std::int64_t id, const DenseSubmap& submap, doub
 }
 
 bool DenseMapper::due() const {
-  if (changes_.keyframes >= config_.keyframes_per_publication) return true;
+  if (changes_.keyframes >= config_.keyframes_per_publication || grid_is_late_) return true;
   if (graph_us_ < published_us_ + config_.moved_period_us) return false;
   const double slack_m = config_.slack_voxels * robot_.map_resolution_m;
   return std::any_of(submaps_.begin(), submaps_.end(), [&](const auto& entry) {
@@ -102,16 +95,16 @@ bool DenseMapper::due() const {
 
 DenseTiles DenseMapper::update(bool exact) {
   place_submaps(exact);
-  level_map(exact);
   for (const auto& [id, blocks] : changes_.blocks)
     for (const BlockIndex& block : blocks) mark(submaps_.at(id), block);
   changes_ = Changes{};
   published_us_ = graph_us_;
+  grid_is_late_ = false;
 
   DenseTiles tiles;
   compose_octomap(&tiles.octomap);
   compose_clouds(&tiles.cloud);
-  if (levelled_) compose_grid(&tiles.grid);
+  if (level()) compose_grid(&tiles.grid);
   return tiles;
 }
 
@@ -123,32 +116,6 @@ void DenseMapper::place_submaps(bool exact) {
     submap.T_map_submap = T_map_base_.at(id);
     mark_all(submap);  // where it goes
   }
-}
-
-// A hand-held camera: up and floor are estimated again whenever the data has doubled, and for the
-// final map.
-void DenseMapper::level_map(bool exact) {
-  if (robot_.planar || submaps_.empty()) return;
-  if (!exact && level_keyframes_ != 0 && integrated_.size() < 2 * level_keyframes_) return;
-  std::vector<SurfacePoint> surfaces;
-  std::vector<Eigen::Vector3d> cameras_m;
-  Eigen::Vector3d image_up = Eigen::Vector3d::Zero();
-  for (const auto& [id, submap] : submaps_) {
-    const SE3& T = submap.T_map_submap;
-    for (const SurfacePoint& s : submap.surfaces)
-      surfaces.push_back({(T * s.p_m.cast<double>()).cast<float>(),
-                          (T.linear() * s.normal.cast<double>()).cast<float>()});
-    for (const Eigen::Vector3d& p : submap.camera_positions_m) cameras_m.push_back(T * p);
-    image_up += T.linear() * submap.image_up_sum;
-  }
-  const auto level = estimate_level(surfaces, image_up, cameras_m);
-  if (!level) return;
-  level_keyframes_ = integrated_.size();
-  if (levelled_ && !worth_levelling(level_, *level, robot_.map_resolution_m)) return;
-  level_ = *level;
-  levelled_ = true;
-  for (const TileKey& key : grid_tiles_.present()) dirty_grid_.insert({key.x, key.y});
-  for (const auto& [id, submap] : submaps_) mark_all(submap);
 }
 
 void DenseMapper::mark_all(const DenseSubmap& submap) {
@@ -169,8 +136,7 @@ void DenseMapper::mark(const DenseSubmap& submap, const BlockIndex& block) {
          &dirty_octomap_);
   insert(tiles_of_block(block, resolution_m, T, kCloudTileVoxels * cloud_resolution_m),
          &dirty_cloud_);
-  const TileRange grid =
-      tiles_of_block(block, resolution_m, level_.T_level_map * T, kTileCells * resolution_m);
+  const TileRange grid = tiles_of_block(block, resolution_m, T, kTileCells * resolution_m);
   for (int x = grid.low.x(); x <= grid.high.x(); ++x)
     for (int y = grid.low.y(); y <= grid.high.y(); ++y) dirty_grid_.insert({x, y});
 }
@@ -208,7 +174,6 @@ void DenseMapper::compose_clouds(std::vector<Tile>* out) {
 void DenseMapper::compose_grid(std::vector<Tile>* out) {
   LatticeBox box;
   box.resolution_m = robot_.map_resolution_m;
-  box.T_map_lattice = level_.T_level_map.inverse();
   // A submap of a tilted camera has tilted voxels: the floor's reach up to a voxel's diagonal above
   // it.
   const double clearance_m = robot_.planar

@@ -1,11 +1,14 @@
 // Dense mapping (Yu et al. 2025, section 2.2, threads 4 to 6): keyframe depth -> filtered cloud ->
 // OctoMap submaps by ray casting -> global cloud, OctoMap and raster. Submaps hang on keyframes of
 // the pose graph: when the graph moves them, the global map is composed again and no image is
-// integrated twice. The order in which keyframes and poses arrive does not matter. Not thread-safe.
+// integrated twice. The order in which keyframes and poses arrive does not matter. For a camera
+// carried by hand it also finds out how the map has to move to be level, and asks the graph for it.
+// Not thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -21,10 +24,19 @@
 
 namespace fusion_slam {
 
-struct DenseTiles {
-  std::vector<Tile> octomap;  // map frame
-  std::vector<Tile> cloud;    // map frame
-  std::vector<Tile> grid;  // levelled map frame (level(); the map frame itself for a planar robot)
+struct DenseTiles {  // all in the map frame
+  std::vector<Tile> octomap;
+  std::vector<Tile> cloud;
+  std::vector<Tile> grid;  // none until the map is level
+};
+
+// "The map should be so that this keyframe's base has this z, roll and pitch": then its z is up and
+// its z = 0 the floor.
+struct LevelWish {
+  std::int64_t anchor_id = 0;  // keyframe
+  SE3 T_level_anchor = SE3::Identity();
+  bool floor_seen = false;
+  std::int64_t utime_us = 0;  // of the newest image behind it
 };
 
 class DenseMapper {
@@ -38,14 +50,19 @@ class DenseMapper {
   // Integrates what waits for poses. To be called after each batch of add_keyframe and set_pose.
   void integrate_ready();
 
-  // True when enough is new to publish again: keyframes, or anchors that moved by more than the
-  // slack.
+  // True when enough is new to publish again: keyframes, anchors that moved by more than the slack,
+  // or the level the grid waited for.
   bool due() const;
-  // place -> level -> compose OctoMap, cloud, raster: the tiles that changed, revisions set.
-  // `exact` places submaps without slack: for the final map.
+  // To be called before each update(). A wish is to be passed on to the pose graph; until
+  // set_pose() shows that it has come true, or the next estimate finds the map level, update()
+  // composes no grid. Never for a planar robot, whose map is level. `exact`: for the final map.
+  std::optional<LevelWish> wish_level(bool exact);
+  // place -> compose OctoMap, cloud, raster: the tiles that changed, revisions set. `exact` places
+  // submaps without slack: for the final map.
   DenseTiles update(bool exact);
 
-  const Level& level() const { return level_; }
+  bool level() const { return levelled_ && !wish_; }  // z is up, z = 0 the floor, as far as known
+  bool floor_seen() const { return robot_.planar || floor_seen_; }
   std::size_t waiting() const { return waiting_.size(); }
   std::size_t integrated() const { return integrated_.size(); }
   std::int64_t dropped() const { return dropped_; }  // waited too long, see max_waiting
@@ -59,7 +76,8 @@ class DenseMapper {
   bool needs_placing(std::int64_t id, const DenseSubmap& submap, double slack_m) const;
   void integrate(std::int64_t keyframe_id, std::int64_t submap_id, const DepthCloud& cloud);
   void place_submaps(bool exact);
-  void level_map(bool exact);
+  void check_wish();
+  void found_level();
   void mark(const DenseSubmap& submap, const BlockIndex& block);
   void mark_all(const DenseSubmap& submap);
   void compose_octomap(std::vector<Tile>* out);
@@ -73,9 +91,11 @@ class DenseMapper {
   std::map<std::int64_t, DepthCloud> waiting_;  // for a pose
   std::set<std::int64_t> integrated_;
   DenseSubmaps submaps_;
-  Level level_;
-  bool levelled_ = false;
-  std::size_t level_keyframes_ = 0;  // keyframes behind level_
+  bool levelled_ = false;          // once, at least
+  std::optional<LevelWish> wish_;  // that hasn't come true yet
+  bool floor_seen_ = false;
+  bool grid_is_late_ = false;        // the level came, the grid hasn't been composed since
+  std::size_t level_keyframes_ = 0;  // behind the latest estimate
   Changes changes_;
   std::set<TileKey> dirty_octomap_;
   std::set<TileKey> dirty_cloud_;

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "fusion_slam/constraint_t.hpp"
 #include "libs/camera_messages/images.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
@@ -49,7 +50,7 @@ void DenseMapperProcess::on_robot_model(const robot_model_t& message) {
 void DenseMapperProcess::start_when_ready() {
   if (mapper_ || !camera_ || !robot_) return;
   mapper_ = std::make_unique<DenseMapper>(*camera_, *robot_, DenseMapperConfig{});
-  for (const graph_t& graph : early_graph_) set_poses(graph);
+  for (const graph_t& graph : early_graph_) take_graph(graph);
   for (const keyframe_image_t& image : early_images_) add_keyframe(image);
   early_graph_.clear();
   early_images_.clear();
@@ -87,19 +88,23 @@ void DenseMapperProcess::on_graph(const graph_t& message) {
     early_graph_.push_back(message);
     return;
   }
-  set_poses(message);
-  if (message.part + 1 >= message.n_parts) integrate_and_publish();
+  if (take_graph(message)) integrate_and_publish();
 }
 
-void DenseMapperProcess::set_poses(const graph_t& message) {
+// All parts at once: a keyframe must not be placed by a pose from before the map moved and an
+// anchor from after. False: more parts come.
+bool DenseMapperProcess::take_graph(const graph_t& message) {
   for (const graph_node_t& node : message.nodes) {
     if (node.kind != graph_node_t::KEYFRAME) continue;
-    const auto T_map_base = from_message(node.T_map_base);
-    if (T_map_base)
-      mapper_->set_pose(node.id, *T_map_base, message.utime);
+    if (const auto T_map_base = from_message(node.T_map_base))
+      moved_[node.id] = *T_map_base;
     else
       bus_.report_error("GRAPH: pose of keyframe " + std::to_string(node.id) + " is not a pose");
   }
+  if (message.part + 1 < message.n_parts) return false;
+  for (const auto& [id, T_map_base] : moved_) mapper_->set_pose(id, T_map_base, message.utime);
+  moved_.clear();
+  return true;
 }
 
 void DenseMapperProcess::on_command(const command_t& message) {
@@ -112,13 +117,28 @@ void DenseMapperProcess::on_command(const command_t& message) {
 void DenseMapperProcess::integrate_and_publish() {
   mapper_->integrate_ready();
   if (finished_ || mapper_->due()) {
+    if (const auto wish = mapper_->wish_level(finished_)) publish_level(*wish);
     const DenseTiles tiles = mapper_->update(finished_);
     for (const Tile& tile : tiles.octomap) octomap_out_.publish(tile);
     for (const Tile& tile : tiles.cloud) cloud_out_.publish(tile);
     for (const Tile& tile : tiles.grid) grid_out_.publish(tile);
   }
   bus_.set_state_text(std::to_string(mapper_->integrated()) + " keyframes mapped, " +
-                      std::to_string(mapper_->waiting()) + " wait for a pose");
+                      std::to_string(mapper_->waiting()) + " wait for a pose" +
+                      (mapper_->level() ? "" : "; the grid waits for a level map"));
+}
+
+void DenseMapperProcess::publish_level(const LevelWish& wish) {
+  constraint_t message{};
+  message.utime = wish.utime_us;
+  message.from_kind = graph_node_t::MAP;
+  message.from_id = 0;
+  message.to_kind = graph_node_t::KEYFRAME;
+  message.to_id = wish.anchor_id;
+  message.T_from_to = to_message(wish.T_level_anchor, wish.utime_us);
+  to_message(level_covariance(wish.T_level_anchor, wish.floor_seen), message.covariance);
+  message.source = "level";
+  bus_.publish("LEVEL", message);
 }
 
 }  // namespace fusion_slam

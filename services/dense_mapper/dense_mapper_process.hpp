@@ -1,8 +1,10 @@
 // The dense mapper on the bus: KEYFRAME_IMAGE, GRAPH, CAMERA_MODEL, ROBOT_MODEL, COMMAND in; CLOUD,
-// OCTOMAP, GRID_VISUAL out.
+// OCTOMAP, GRID_VISUAL, LEVEL out.
 #pragma once
 
+#include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -30,8 +32,9 @@ class DenseMapperProcess {
   void on_command(const command_t& message);
   void start_when_ready();
   void add_keyframe(const keyframe_image_t& message);
-  void set_poses(const graph_t& message);
+  bool take_graph(const graph_t& message);
   void integrate_and_publish();
+  void publish_level(const LevelWish& wish);
 
   Bus& bus_;
   TilePublisher octomap_out_;
@@ -42,7 +45,8 @@ class DenseMapperProcess {
   std::unique_ptr<DenseMapper> mapper_;        // made when both models are known
   std::deque<keyframe_image_t> early_images_;  // came before them
   std::vector<graph_t> early_graph_;
-  bool finished_ = false;  // after COMMAND finish each input is answered at once
+  std::map<std::int64_t, SE3> moved_;  // keyframes, by the parts of a GRAPH that have come
+  bool finished_ = false;              // after COMMAND finish each input is answered at once
 };
 
 }  // namespace fusion_slam

@@ -19,6 +19,12 @@ constexpr double kUprightWeight =
 constexpr double kBinM = 0.025;
 constexpr double kFloorShare = 0.04;  // of the level surfaces: fewer is an object, not the floor
 constexpr double kFloorBelowCameraM = 0.7;  // a person holds a camera higher than this
+constexpr double kWorthRad = 0.005;         // 5 cm at 10 m
+constexpr double kWorthCells = 0.5;
+constexpr double kSigmaTiltRad = 0.01;    // the surfaces' normals and the map's own bend
+constexpr double kSigmaFloorM = 0.02;     // a bin
+constexpr double kSigmaNoFloorM = 0.3;    // what lies lowest need not lie on the floor
+constexpr double kUnknownVariance = 1e6;  // 1 km, any turn
 
 bool level_surface(const Eigen::Vector3d& n, const Eigen::Vector3d& up) {
   return n.cross(up).norm() < kSinAligned;
@@ -113,10 +119,6 @@ double low_height(const std::vector<SurfacePoint>& surfaces, const Eigen::Vector
 
 }  // namespace
 
-Eigen::Matrix3d rotation_to_z(const Eigen::Vector3d& up) {
-  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-}
-
 std::optional<Level> estimate_level(const std::vector<SurfacePoint>& all_surfaces,
                                     const Eigen::Vector3d& image_up,
                                     const std::vector<Eigen::Vector3d>& camera_positions_m) {
@@ -142,6 +144,22 @@ std::optional<Level> estimate_level(const std::vector<SurfacePoint>& all_surface
     level.T_level_map.translation().z() = -low_height(surfaces, up);
   }
   return level;
+}
+
+bool worth_levelling(const SE3& T_level_map, double resolution_m) {
+  return log_so3(T_level_map.linear()).norm() > kWorthRad ||
+         std::abs(T_level_map.translation().z()) > kWorthCells * resolution_m;
+}
+
+Matrix6d level_covariance(const SE3& T_level_anchor, bool floor_seen) {
+  const double sigma_z_m = floor_seen ? kSigmaFloorM : kSigmaNoFloorM;
+  Matrix6d level = Matrix6d::Zero();  // in the level frame's axes
+  level.diagonal() << kUnknownVariance, kUnknownVariance, sigma_z_m * sigma_z_m,
+      kSigmaTiltRad * kSigmaTiltRad, kSigmaTiltRad * kSigmaTiltRad, kUnknownVariance;
+  Matrix6d to_anchor = Matrix6d::Zero();
+  to_anchor.topLeftCorner<3, 3>() = T_level_anchor.linear().transpose();
+  to_anchor.bottomRightCorner<3, 3>() = T_level_anchor.linear().transpose();
+  return to_anchor * level * to_anchor.transpose();
 }
 
 }  // namespace fusion_slam

@@ -63,7 +63,8 @@ struct PoseGraphCounts {
   std::int64_t loops_outvoted = 0;
   std::int64_t ties = 0;
   std::int64_t restarts = 0;  // tracks that started anew and were hung on the last known pose
-  std::int64_t rejected = 0;  // duplicate ids, edges from a node to itself
+  std::int64_t levellings = 0;
+  std::int64_t rejected = 0;  // duplicate ids, edges from a node to itself, impossible levellings
 };
 
 // Of an interpolated pose: the tracker's own, and how far the path may have bent between its two
@@ -80,10 +81,15 @@ class PoseGraph {
   void add_odometry(std::int64_t utime_us, const SE3& T_odom_base);
   void add_loop(const NodeId& from, const NodeId& to, const SE3& T_from_to,
                 const Matrix6d& covariance);
+  // Moves the whole map, once and at once, so that this node's z, roll and pitch become those of
+  // T_level_id: the smallest rotation about the map's origin, then a shift along z (levelling() in
+  // libs/geometry). Poses between nodes stay as they are. False, with a reason, for planar robots
+  // and unknown nodes.
+  bool level_map(const NodeId& id, const SE3& T_level_id, std::string* why);
   void finish();  // the input has ended: place and say what still waits, then solve
 
   // Nodes that are new or moved (more than 1 mm or 0.1 mrad) since the last call; grows the
-  // revision when there are any.
+  // revision when there are any. After level_map(): all of them.
   std::vector<std::pair<NodeId, GraphNode>> take_changes();
   std::vector<PoseOutput> take_poses();
 

@@ -57,6 +57,7 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus) {
   bus.subscribe<keyframe_t>("KEYFRAME", Policy::kKeepAll, on(&PoseGraphProcess::on_keyframe));
   bus.subscribe<lidar_node_t>("LIDAR_NODE", Policy::kKeepAll, on(&PoseGraphProcess::on_lidar_node));
   bus.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll, on(&PoseGraphProcess::on_constraint));
+  bus.subscribe<constraint_t>("LEVEL", Policy::kKeepAll, on(&PoseGraphProcess::on_level));
   bus.subscribe<bot_core::pose_t>("ODOMETRY", Policy::kKeepAll, on(&PoseGraphProcess::on_odometry));
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll, on(&PoseGraphProcess::on_command));
   const auto on_pose_of = [this](NodeKind sensor) {
@@ -126,6 +127,17 @@ void PoseGraphProcess::on_constraint(const constraint_t& message) {
   graph_.add_loop({static_cast<NodeKind>(message.from_kind), message.from_id},
                   {static_cast<NodeKind>(message.to_kind), message.to_id}, *T_from_to,
                   covariance_from_message(message.covariance));
+}
+
+// A prior on a node's z, roll and pitch. Its covariance says no more than that: the other three are
+// free, so the smallest motion of the map satisfies it.
+void PoseGraphProcess::on_level(const constraint_t& message) {
+  const auto T_level_id = from_message(message.T_from_to);
+  if (!T_level_id || message.from_kind != graph_node_t::MAP || !is_kind(message.to_kind))
+    return reject("LEVEL", "the motion is not rigid, or not from the map to a node");
+  std::string why;
+  if (!graph_.level_map({static_cast<NodeKind>(message.to_kind), message.to_id}, *T_level_id, &why))
+    reject("LEVEL", why.c_str());
 }
 
 void PoseGraphProcess::on_command(const command_t& message) {

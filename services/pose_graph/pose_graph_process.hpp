@@ -28,6 +28,7 @@ class PoseGraphProcess {
   void on_pose(NodeKind sensor, const pose_estimate_t& message);
   void on_odometry(const bot_core::pose_t& message);
   void on_constraint(const constraint_t& message);
+  void on_level(const constraint_t& message);
   void on_command(const command_t& message);
 
   void publish_news();

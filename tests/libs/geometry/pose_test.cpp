@@ -62,5 +62,27 @@ TEST(Pose, OpticalAxisLooksForward) {
   EXPECT_EQ(optical_to_body() * Eigen::Vector3d::UnitY(), -Eigen::Vector3d::UnitZ());
 }
 
+TEST(Pose, RotationToZ) {
+  const Eigen::Vector3d up = Eigen::Vector3d(0.3, -0.2, 0.9).normalized();
+  EXPECT_LT((rotation_to_z(up) * up - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_NEAR(log_so3(rotation_to_z(up)).norm(), std::acos(up.z()), 1e-9);  // none is smaller
+  EXPECT_TRUE(rotation_to_z(Eigen::Vector3d::UnitZ()).isIdentity(1e-12));
+}
+
+TEST(Pose, LevellingGivesZRollAndPitchAndNothingElse) {
+  std::mt19937 rng(5);
+  for (int i = 0; i < 100; ++i) {
+    const SE3 T_old_a = random_pose(rng);
+    const SE3 wanted = random_pose(rng);
+    const SE3 L = levelling(T_old_a, wanted);
+    const SE3 T_new_a = L * T_old_a;
+    EXPECT_NEAR(T_new_a.translation().z(), wanted.translation().z(), 1e-9);
+    EXPECT_LT((T_new_a.linear().row(2) - wanted.linear().row(2)).norm(), 1e-9);  // roll, pitch
+    EXPECT_NEAR(log_so3(L.linear()).z(), 0.0, 1e-9);  // its axis is level: no needless yaw
+    EXPECT_EQ(L.translation().head<2>().norm(), 0.0);
+    EXPECT_TRUE(levelling(T_new_a, wanted).isApprox(SE3::Identity(), 1e-9));  // done is done
+  }
+}
+
 }  // namespace
 }  // namespace fusion_slam

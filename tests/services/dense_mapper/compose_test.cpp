@@ -31,7 +31,6 @@ TEST(Compose, EqualsLookingUpEachVoxelAlone) {
   const DenseSubmaps submaps = random_submaps();
   const DenseMapperConfig config;
   LatticeBox box;
-  box.T_map_lattice = from_xyz_rpy(0.1, 0.2, 0.0, 0.05, -0.1, 0.2);
   box.low_m = Eigen::Vector3d(-1.0, -0.8, -0.6);
   box.size = {40, 30, 20};
   const auto fast = compose_voxels(submaps, box, config);
@@ -45,8 +44,7 @@ TEST(Compose, EqualsLookingUpEachVoxelAlone) {
         for (const auto& [id, submap] : submaps) {
           const Eigen::Vector3d centre =
               box.low_m + Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5) * kResolution;
-          const Eigen::Vector3d p =
-              submap.T_map_submap.inverse() * (box.T_map_lattice * centre) / kResolution;
+          const Eigen::Vector3d p = submap.T_map_submap.inverse() * centre / kResolution;
           const int steps = submap.voxels.at(static_cast<int>(std::floor(p.x())),
                                              static_cast<int>(std::floor(p.y())),
                                              static_cast<int>(std::floor(p.z())));

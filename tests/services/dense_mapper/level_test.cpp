@@ -66,15 +66,31 @@ TEST(Level, ATableIsTheFloorOnlyWithoutABetterOne) {
   EXPECT_NEAR(without->T_level_map.translation().z(), 0.0, 0.15);  // the walls' lower ends
 }
 
+TEST(Level, CovarianceIsTightInHeightAndTiltOfTheLevelFrame) {
+  const SE3 T_level_anchor = from_xyz_rpy(0.3, 0.2, 1.4, 0.2, 0.45, 1.0);
+  const Matrix6d anchor = level_covariance(T_level_anchor, true);
+  EXPECT_TRUE(anchor.isApprox(anchor.transpose(), 1e-9));
+  const Eigen::Matrix3d R = T_level_anchor.linear();
+  const Eigen::Matrix3d t = R * anchor.topLeftCorner<3, 3>() * R.transpose();
+  const Eigen::Matrix3d r = R * anchor.bottomRightCorner<3, 3>() * R.transpose();
+  EXPECT_NEAR(std::sqrt(t(2, 2)), 0.02, 1e-6);
+  EXPECT_NEAR(std::sqrt(r(0, 0)), 0.01, 1e-6);
+  EXPECT_NEAR(std::sqrt(r(1, 1)), 0.01, 1e-6);
+  EXPECT_GT(t(0, 0), 1e5);
+  EXPECT_GT(t(1, 1), 1e5);
+  EXPECT_GT(r(2, 2), 1e5);
+  EXPECT_GT(level_covariance(T_level_anchor, false).trace(), anchor.trace());
+}
+
+TEST(Level, SmallErrorsAreNotWorthMovingTheMap) {
+  EXPECT_FALSE(worth_levelling(from_xyz_rpy(0, 0, 0.02, 0.002, -0.003, 0), 0.05));
+  EXPECT_TRUE(worth_levelling(from_xyz_rpy(0, 0, 0.03, 0, 0, 0), 0.05));
+  EXPECT_TRUE(worth_levelling(from_xyz_rpy(0, 0, 0, 0.006, 0, 0), 0.05));
+}
+
 TEST(Level, TooLittleDataGivesNothing) {
   EXPECT_FALSE(estimate_level({}, Eigen::Vector3d::UnitZ(), {{0, 0, 1}}));
   EXPECT_FALSE(estimate_level(room(true), Eigen::Vector3d::Zero(), {{0, 0, 1}}));
-}
-
-TEST(Level, RotationToZ) {
-  const Eigen::Vector3d up = Eigen::Vector3d(0.3, -0.2, 0.9).normalized();
-  EXPECT_LT((rotation_to_z(up) * up - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
-  EXPECT_TRUE(rotation_to_z(Eigen::Vector3d::UnitZ()).isIdentity(1e-12));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // was read off the pictures: floor 1.38 m below the first camera position, which looks down by
 // about 29 degrees; cupboards, a table and chairs.
 #include <cmath>
+#include <map>
 
 #include <gtest/gtest.h>
 
@@ -22,6 +23,7 @@ TEST(RedKitchen, BecomesAFloorPlan) {
   DenseMapper mapper(dataset.camera, robot, DenseMapperConfig{});
   const SE3 T_base_camera = robot.T_base_camera;
   const SE3 T_map_world = T_base_camera * dataset.reference.at(0).T_world_reference.inverse();
+  std::map<std::int64_t, SE3> T_map_base;
   std::int64_t id = 0;
   for (std::size_t i = 0; i < dataset.entries.size(); i += 20) {
     std::string why;
@@ -29,16 +31,20 @@ TEST(RedKitchen, BecomesAFloorPlan) {
     ASSERT_TRUE(frame) << why;
     ++id;
     ASSERT_TRUE(mapper.add_keyframe(id, *frame));
-    const SE3 T_map_base =
+    T_map_base[id] =
         T_map_world * dataset.reference.at(i).T_world_reference * T_base_camera.inverse();
-    mapper.set_pose(id, T_map_base, frame->utime_us);
+    mapper.set_pose(id, T_map_base[id], frame->utime_us);
   }
   mapper.integrate_ready();
+  const auto wish = mapper.wish_level(true);
+  ASSERT_TRUE(wish);
+  EXPECT_TRUE(wish->floor_seen);
+  EXPECT_TRUE(mapper.update(true).grid.empty());
+  const SE3 T_level_map = levelling(T_map_base.at(wish->anchor_id), wish->T_level_anchor);
+  EXPECT_NEAR(T_level_map.translation().z(), 1.38, 0.06);
+  EXPECT_NEAR(std::acos(T_level_map.linear()(2, 2)), 0.51, 0.05);
+  for (const auto& [keyframe, T] : T_map_base) mapper.set_pose(keyframe, T_level_map * T, 0);
   const DenseTiles tiles = mapper.update(true);
-  const Level& level = mapper.level();
-  EXPECT_TRUE(level.floor_seen);
-  EXPECT_NEAR(level.T_level_map.translation().z(), 1.38, 0.06);
-  EXPECT_NEAR(std::acos(level.T_level_map.linear()(2, 2)), 0.51, 0.05);
   int occupied = 0;
   int unoccupied = 0;
   for (const Tile& tile : tiles.grid) {

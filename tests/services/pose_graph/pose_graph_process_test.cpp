@@ -28,6 +28,8 @@ class PoseGraphOnBus : public ::testing::Test {
     world_->subscribe<graph_t>("GRAPH", Policy::kKeepAll, [this](const graph_t& m) {
       if (m.complete != 0) complete_nodes_[m.part] = m.nodes.size();
       largest_part_ = std::max(largest_part_, m.nodes.size());
+      for (const graph_node_t& node : m.nodes)
+        T_map_base_[node.id] = *from_message(node.T_map_base);
       last_revision_ = m.revision;
     });
     world_->subscribe<pose_estimate_t>("POSE", Policy::kKeepAll,
@@ -76,6 +78,7 @@ class PoseGraphOnBus : public ::testing::Test {
   std::unique_ptr<Bus> bus_, world_;
   std::unique_ptr<PoseGraphProcess> process_;
   std::map<int, std::size_t> complete_nodes_;
+  std::map<std::int64_t, SE3> T_map_base_;  // as GRAPH said last
   std::size_t largest_part_ = 0;
   std::int64_t last_revision_ = 0;
   std::vector<pose_estimate_t> poses_;
@@ -100,6 +103,46 @@ TEST_F(PoseGraphOnBus, SaysPosesAndTheWholeGraphInParts) {
   EXPECT_EQ(complete_nodes_.at(0) + complete_nodes_.at(1) + complete_nodes_.at(2), 900U);
   EXPECT_LE(largest_part_, 400U);
   EXPECT_EQ(last_revision_, 900);
+}
+
+TEST_F(PoseGraphOnBus, LevelMovesEveryNodeEvenAfterFinish) {
+  RobotModel robot;
+  robot.has_lidar = true;
+  robot.planar = false;
+  world_->publish("ROBOT_MODEL", to_message(robot, 1000));
+  drive(5);
+  command_t finish{};
+  finish.verb = "finish";
+  world_->publish("COMMAND", finish);
+  ASSERT_TRUE(soon([this] { return !complete_nodes_.empty() && poses_.size() == 5; }));
+  constraint_t level{};
+  level.utime = 600'000;
+  level.from_kind = graph_node_t::MAP;
+  level.to_kind = graph_node_t::LIDAR;
+  level.to_id = 1;
+  level.T_from_to = to_message(from_xyz_rpy(7.0, 8.0, 1.4, 0.0, 0.5, 0.0), 600'000);
+  world_->publish("LEVEL", level);
+  const SE3 expected = from_xyz_rpy(0.0, 0.0, 1.4, 0.0, 0.5, 0.0);
+  ASSERT_TRUE(soon([&] { return T_map_base_[5].translation().z() < -0.5; }));
+  for (int id = 1; id <= 5; ++id)
+    EXPECT_TRUE(T_map_base_[id].isApprox(expected * from_xyz_rpy(id - 1, 0, 0, 0, 0, 0), 1e-9));
+}
+
+TEST_F(PoseGraphOnBus, LevelForAPlanarRobotIsRejected) {
+  RobotModel robot;
+  robot.has_lidar = true;
+  world_->publish("ROBOT_MODEL", to_message(robot, 1000));
+  drive(2);
+  ASSERT_TRUE(soon([this] { return last_revision_ == 2; }));
+  constraint_t level{};
+  level.from_kind = graph_node_t::MAP;
+  level.to_kind = graph_node_t::LIDAR;
+  level.to_id = 1;
+  level.T_from_to = to_message(from_xyz_rpy(0, 0, 1.4, 0, 0.5, 0), 1);
+  world_->publish("LEVEL", level);
+  ASSERT_TRUE(soon([this] { return !bus_->status().last_error.empty(); }));
+  EXPECT_NE(bus_->status().last_error.find("planar"), std::string::npos);
+  EXPECT_EQ(last_revision_, 2);
 }
 
 TEST_F(PoseGraphOnBus, BadInputIsReportedAndDropped) {
