@@ -1,17 +1,18 @@
 #include "libs/bus/sequence.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace fusion_slam {
 
 SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_us,
                                            std::int64_t now_us) {
-  const bool restarted = seq == 1 && highest_ > 1 && missing_.count(1) == 0 && floor_ == 1 &&
-                         utime_us > newest_utime_us_;
-  if (restarted) {
-    highest_ = 0;
+  // A repeat is never newer than the newest: this one is of a publisher that was started again.
+  if (joined_ && was_seen(seq) && utime_us > newest_utime_us_) {
+    floor_ = seq;
+    highest_ = seq - 1;
     missing_.clear();
-    before_floor_.clear();
+    before_floor_.erase(before_floor_.lower_bound(seq), before_floor_.end());
   }
   newest_utime_us_ = std::max(newest_utime_us_, utime_us);
   if (!joined_) {
@@ -29,13 +30,21 @@ SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_
   return missing_.erase(seq) > 0 ? Seen::kNew : Seen::kDuplicate;
 }
 
+bool SequenceTracker::was_seen(std::int64_t seq) const {
+  if (seq < floor_) return before_floor_.count(seq) > 0;
+  return seq <= highest_ && missing_.count(seq) == 0;
+}
+
 void SequenceTracker::expect(std::int64_t count, std::int64_t now_us) {
-  if (!joined_) return;
-  // A forged or absurd number must not make us remember millions of gaps.
-  constexpr std::int64_t kMostGaps = 100'000;
+  if (!joined_ || count <= highest_) return;
+  // Forged or absurd numbers must not make us remember millions of gaps.
   const std::int64_t first = std::max({highest_ + 1, floor_, count - kMostGaps});
-  for (std::int64_t seq = first; seq <= count; ++seq) missing_.emplace(seq, now_us);
-  highest_ = std::max(highest_, count);
+  for (std::int64_t gap = 0; gap <= count - first; ++gap) missing_.emplace(first + gap, now_us);
+  while (missing_.size() > static_cast<std::size_t>(kMostGaps)) {
+    missing_.erase(missing_.begin());
+    ++forgotten_;
+  }
+  highest_ = count;
 }
 
 std::vector<std::int64_t> SequenceTracker::missing(std::int64_t now_us, std::int64_t min_age_us,
@@ -49,7 +58,7 @@ std::vector<std::int64_t> SequenceTracker::missing(std::int64_t now_us, std::int
 }
 
 std::size_t SequenceTracker::give_up(std::int64_t now_us, std::int64_t max_age_us) {
-  std::size_t lost = 0;
+  std::size_t lost = std::exchange(forgotten_, 0);
   for (auto it = missing_.begin(); it != missing_.end();) {
     if (now_us - it->second < max_age_us) {
       ++it;

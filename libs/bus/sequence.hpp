@@ -20,7 +20,8 @@ class SequenceTracker {
   explicit SequenceTracker(bool from_start) : joined_(from_start), floor_(1) {}
 
   // A message with number seq (>= 1), measured at utime_us, arrived at now_us (any monotonic
-  // clock). A publisher that starts again at 1 with a newer measurement begins a new stream.
+  // clock). A number that was seen before with a newer measurement than all others begins a new
+  // stream: its publisher was started again.
   Seen see(std::int64_t seq, std::int64_t utime_us, std::int64_t now_us);
 
   // The publisher has sent `count` messages: those not seen are missing from now on.
@@ -33,15 +34,20 @@ class SequenceTracker {
   std::size_t give_up(std::int64_t now_us, std::int64_t max_age_us);
   std::size_t missing_count() const { return missing_.size(); }
 
+  static constexpr std::int64_t kMostGaps = 100'000;  // remembered at a time; more are lost at once
+
   std::int64_t highest() const { return highest_; }
 
  private:
+  bool was_seen(std::int64_t seq) const;
+
   bool joined_;
   std::int64_t floor_;        // first number of this listener's stream
   std::int64_t highest_ = 0;  // newest seen or expected
   std::int64_t newest_utime_us_ = 0;
   std::map<std::int64_t, std::int64_t> missing_;  // number -> when the gap was noticed
-  std::set<std::int64_t> before_floor_;           // re-sent to this late listener
+  std::size_t forgotten_ = 0;                     // gaps beyond kMostGaps
+  std::set<std::int64_t> before_floor_;           // came to this late listener
 };
 
 }  // namespace fusion_slam

@@ -48,11 +48,34 @@ TEST(Sequence, APublisherThatStartsAgainIsANewStream) {
   EXPECT_EQ(tracker.see(2, 7, 0), Seen::kNew);
 }
 
-TEST(Sequence, AForgedNumberCostsBoundedMemory) {
+TEST(Sequence, ALateListenerNoticesThatThePublisherStartedAgain) {
+  SequenceTracker tracker(false);
+  for (int i = 50; i <= 80; ++i) tracker.see(i, i, 0);
+  for (int i = 1; i <= 100; ++i) EXPECT_EQ(tracker.see(i, 1000 + i, 0), Seen::kNew) << i;
+  for (int i = 1; i <= 100; ++i) EXPECT_EQ(tracker.see(i, 1000 + i, 0), Seen::kDuplicate) << i;
+  EXPECT_EQ(tracker.missing_count(), 0U);
+}
+
+TEST(Sequence, ANewStreamIsNoticedWithoutItsFirstMessage) {
+  SequenceTracker tracker(true);
+  for (int i = 1; i <= 5; ++i) tracker.see(i, i, 0);
+  EXPECT_EQ(tracker.see(2, 100, 0), Seen::kNew);
+  EXPECT_EQ(tracker.see(3, 101, 0), Seen::kNew);
+  EXPECT_EQ(tracker.see(3, 101, 0), Seen::kDuplicate);
+}
+
+TEST(Sequence, ForgedNumbersCostBoundedMemory) {
   SequenceTracker tracker(true);
   tracker.see(1, 1, 0);
-  tracker.see(INT64_MAX - 1, 2, 0);
-  EXPECT_LE(tracker.missing_count(), 100'001U);
+  tracker.expect(INT64_MIN, 0);
+  EXPECT_EQ(tracker.missing_count(), 0U);
+  const auto most = static_cast<std::size_t>(SequenceTracker::kMostGaps);
+  for (const std::int64_t seq : {90'000L, 180'000L, 1'000'000'000L, INT64_MAX - 1, INT64_MAX}) {
+    tracker.see(seq, 2, 0);
+    EXPECT_LE(tracker.missing_count(), most + 1) << seq;
+  }
+  tracker.expect(INT64_MAX, 0);
+  EXPECT_GT(tracker.give_up(10, 5), most) << "what is forgotten is lost";
 }
 
 TEST(Sequence, AnyOrderWithRepeatsEndsWhole) {
