@@ -8,7 +8,7 @@
 namespace fusion_slam {
 namespace {
 
-constexpr std::size_t kRepeatMemory = 64;
+constexpr std::size_t kRepeatMemory = 256;  // as the replay's (logplayer/replay/conductor.cpp)
 // A channel that has been silent for longer than this is not waited for.
 constexpr std::int64_t kSilent_us = 500'000;
 
@@ -134,10 +134,14 @@ void Inbox::expect(const std::string& name, std::int64_t count, std::int64_t now
     if (channel.name != name) continue;
     if (channel.has_seq) {
       channel.sequence.expect(count, now_us);
-    } else if (count > channel.expected) {
-      channel.expected = count;
-      channel.expected_since_us = now_us;
+      continue;
     }
+    if (count < channel.expected) continue;
+    channel.expected = count;
+    const bool lacked = channel.lacks;
+    channel.lacks = channel.counters.received < count;
+    if (!channel.lacks) channel.whole = count;
+    if (channel.lacks && !lacked) channel.lacks_since_us = now_us;
   }
 }
 
@@ -146,9 +150,10 @@ std::vector<std::int64_t> Inbox::missing(std::size_t index, std::int64_t now_us,
   const Channel& channel = channels_[index];
   if (channel.has_seq) return channel.sequence.missing(now_us, min_age_us, most);
   std::vector<std::int64_t> result;
-  if (mode_ == Mode::kLive || now_us - channel.expected_since_us < min_age_us) return result;
-  for (std::int64_t n = channel.counters.received + 1; n <= channel.expected; ++n)
-    if (result.size() < most) result.push_back(n);
+  const bool lacks = channel.lacks && channel.counters.received < channel.expected;
+  if (mode_ == Mode::kLive || !lacks || now_us - channel.lacks_since_us < min_age_us) return result;
+  for (std::int64_t n = channel.whole + 1; n <= channel.expected && result.size() < most; ++n)
+    result.push_back(n);
   return result;
 }
 

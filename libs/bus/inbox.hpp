@@ -65,7 +65,8 @@ class Inbox {
   // The publisher of `channel` has sent `count` messages since it started (replay modes, or as its
   // STATUS says).
   void expect(const std::string& channel, std::int64_t count, std::int64_t now_us);
-  // What to ask for again: numbers missing for at least min_age_us, at most `most`.
+  // What to ask for again: numbers missing for at least min_age_us, at most `most`. Of a channel
+  // without seq nobody can tell which of the latest is missing: all of them, repeats are known.
   std::vector<std::int64_t> missing(std::size_t channel, std::int64_t now_us,
                                     std::int64_t min_age_us, std::size_t most) const;
 
@@ -81,8 +82,11 @@ class Inbox {
     std::int64_t newest_utime_us = 0;
     std::int64_t newest_arrival_us = 0;
     bool has_seq = false;
-    std::int64_t expected = 0;  // of a channel without seq
-    std::int64_t expected_since_us = 0;
+    // Of a channel without seq, replay modes:
+    std::int64_t expected = 0;  // messages sent, as last heard
+    std::int64_t whole = 0;     // all of the first so many have arrived
+    bool lacks = false;         // when last heard, not all expected had arrived ...
+    std::int64_t lacks_since_us = 0;
   };
   std::vector<Channel>& channels() { return channels_; }
   const std::vector<Channel>& channels() const { return channels_; }

@@ -108,7 +108,34 @@ TEST(Inbox, RepeatsOfMessagesWithoutNumberAreDuplicatesInAReplay) {
   EXPECT_TRUE(inbox.push(item(camera, 1, 0)));
   EXPECT_FALSE(inbox.push(item(camera, 1, 0)));
   EXPECT_EQ(inbox.channels()[camera].counters.duplicated, 1);
-  EXPECT_EQ(inbox.missing(camera, 100, 50, 10), (std::vector<std::int64_t>{2}));
+  EXPECT_EQ(inbox.missing(camera, 100, 50, 10), (std::vector<std::int64_t>{1, 2}));
+  EXPECT_TRUE(inbox.push(item(camera, 2, 0)));
+  EXPECT_TRUE(inbox.missing(camera, 100, 50, 10).empty());
+}
+
+TEST(Inbox, AMessageWithoutNumberLostInTheMiddleIsAskedForUntilItIsHere) {
+  Inbox inbox(Mode::kThroughput, 10, 0);
+  const auto camera = inbox.add_channel("CAMERA", Policy::kKeepAll, false);
+  for (const int i : {1, 2}) inbox.push(item(camera, i, 0));
+  inbox.expect("CAMERA", 2, 0);
+  for (const int i : {4, 5}) inbox.push(item(camera, i, 0));
+  inbox.expect("CAMERA", 5, 10);
+  EXPECT_TRUE(inbox.missing(camera, 20, 15, 10).empty()) << "too early";
+  inbox.push(item(camera, 6, 0));
+  inbox.expect("CAMERA", 6, 20);
+  EXPECT_EQ(inbox.missing(camera, 30, 15, 10), (std::vector<std::int64_t>{3, 4, 5, 6}));
+  for (const int i : {3, 4, 5, 6}) EXPECT_EQ(inbox.push(item(camera, i, 0)), i == 3);
+  EXPECT_TRUE(inbox.missing(camera, 30, 15, 10).empty());
+  inbox.expect("CAMERA", 6, 40);
+  inbox.expect("CAMERA", 7, 50);
+  EXPECT_EQ(inbox.missing(camera, 70, 15, 10), (std::vector<std::int64_t>{7}));
+}
+
+TEST(Inbox, AForgedCountIsAnsweredAtOnce) {
+  Inbox inbox(Mode::kLockstep, 10, 0);
+  const auto camera = inbox.add_channel("CAMERA", Policy::kKeepAll, false);
+  inbox.expect("CAMERA", INT64_MAX, 0);
+  EXPECT_EQ(inbox.missing(camera, 100, 50, 10).size(), 10U);
 }
 
 }  // namespace
