@@ -39,17 +39,12 @@ void Bus::subscribe_raw(const std::string& channel, std::uint64_t fingerprint, P
 }
 
 void Bus::listen_raw(const std::string& channel, std::uint64_t fingerprint, Decode decode) {
-  const LcmType* type = builtin_schema().find(fingerprint);
-  impl_->tokens.push_back(impl_->transport->subscribe(
-      channel, [impl = impl_.get(), type, decode = std::move(decode)](
-                   const std::string& name, const std::uint8_t* bytes, std::size_t size) {
-        if (impl->passes_guard(name, *type, bytes, size))
-          impl->decode_safely(name, decode, bytes, size);
-      }));
+  impl_->listen(channel, builtin_schema().find(fingerprint), std::move(decode));
 }
 
 void Bus::publish_raw(const std::string& channel,
                       const std::function<std::vector<std::uint8_t>(std::int64_t)>& encode) {
+  impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   const auto bytes = encode(impl_->outbox.next_seq(channel));
   impl_->outbox.sent(channel, bytes);
@@ -57,12 +52,14 @@ void Bus::publish_raw(const std::string& channel,
 }
 
 void Bus::publish_bytes(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+  impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   impl_->outbox.sent(channel, bytes);
   impl_->send(channel, bytes);
 }
 
 void Bus::publish_tile(const std::string& channel, tile_t tile) {
+  impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   tile.seq = impl_->outbox.next_seq(channel);
   const auto bytes = bus_detail::encode(tile);
@@ -75,15 +72,18 @@ void Bus::run() {
   impl_->send_status();
   const bool is_file = impl_->transport->url().rfind("file://", 0) == 0;
   while (!impl_->stopping) {
+    const bool all_read = is_file && impl_->transport->at_end();
     const bool handled = handle(50);
     impl_->call_timers();
-    if (is_file && !handled && impl_->transport->at_end()) break;
+    if (all_read && !handled) break;
   }
 }
 
 void Bus::stop() { impl_->stopping = true; }
 
 bool Bus::handle(int timeout_ms) {
+  impl_->running = true;
+  impl_->transport->start();
   return impl_->options.mode == Mode::kLockstep ? impl_->handle_step(timeout_ms)
                                                 : impl_->handle_one(timeout_ms);
 }

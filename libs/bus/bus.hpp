@@ -59,7 +59,7 @@ class Bus {
   void stop();  // any thread, and signal handlers
 
   // Handles what is waiting now without blocking longer than timeout_ms; true when something was
-  // handled.
+  // handled. For who has a loop of its own instead of run(): from the first call on STATUS is sent.
   bool handle(int timeout_ms);
 
   // Called in run() about every `period_ms` of wall time between messages (live and throughput

@@ -38,13 +38,6 @@ Bus::Impl::Impl(BusOptions options_in, std::shared_ptr<Transport> transport_in)
       inbox(options.mode, options.keep_all_bound, options.merge_wait_us) {}
 
 void Bus::Impl::start() {
-  const auto listen = [this](const std::string& channel, const LcmType* type, Decode decode) {
-    tokens.push_back(transport->subscribe(
-        channel, [this, type, decode = std::move(decode)](
-                     const std::string& name, const std::uint8_t* bytes, std::size_t size) {
-          if (passes_guard(name, *type, bytes, size)) decode_safely(name, decode, bytes, size);
-        }));
-  };
   const Schema& schema = builtin_schema();
   listen("RESEND", schema.find("fusion_slam.resend_t"),
          bus_detail::decoder<resend_t>([this](const resend_t& m) { on_resend(m); }));
@@ -64,8 +57,15 @@ void Bus::Impl::handle_item(const InboxItem& item) {
     const std::lock_guard<std::mutex> lock(mutex);
     handler = &handlers[item.channel];
   }
-  handler->decode(item.bytes.data(), item.bytes.size());
+  bool rejected = false;
+  try {
+    handler->decode(item.bytes.data(), item.bytes.size());
+  } catch (const bus_detail::Undecodable& error) {
+    rejected = true;
+    report(std::string("message rejected: ") + error.what());
+  }
   const std::lock_guard<std::mutex> lock(mutex);
+  if (rejected) ++inbox.channels()[item.channel].counters.rejected;
   inbox.processed(item);
   latency.add(static_cast<double>(now_us() - item.arrival_us));
   ++activity;
@@ -74,6 +74,16 @@ void Bus::Impl::handle_item(const InboxItem& item) {
 // Plain LCM listeners (lcm-logger, lcm-spy) queue 30 messages and drop the newest; their sockets
 // hold a few hundred KB. Long bursts are therefore spread: ours would repair the loss, theirs
 // can't.
+void Bus::Impl::pace() {
+  {
+    const std::lock_guard<std::mutex> lock(out_mutex);
+    const bool full = burst_messages >= kBurstMessages || burst_bytes >= kBurstBytes;
+    if (!full || now_us() - burst_begin_us > kBurst_us) return;
+  }
+  // Not under the lock: the reader's thread must not wait for it.
+  std::this_thread::sleep_for(std::chrono::microseconds(kBurst_us));
+}
+
 void Bus::Impl::send(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
   const std::int64_t now = now_us();
   if (now - burst_begin_us > kBurst_us) {
@@ -81,15 +91,10 @@ void Bus::Impl::send(const std::string& channel, const std::vector<std::uint8_t>
     burst_messages = 0;
     burst_bytes = 0;
   }
-  if (burst_messages >= kBurstMessages || burst_bytes >= kBurstBytes) {
-    std::this_thread::sleep_for(std::chrono::microseconds(kBurst_us));
-    burst_begin_us = now_us();
-    burst_messages = 0;
-    burst_bytes = 0;
-  }
   ++burst_messages;
   burst_bytes += bytes.size();
   transport->publish(channel, bytes);
+  ++activity;
 }
 
 bool Bus::Impl::handle_one(int timeout_ms) {
@@ -175,6 +180,7 @@ status_t Bus::Impl::status() const {
   std::map<std::string, channel_stats_t> channels;
   {
     const std::lock_guard<std::mutex> lock(mutex);
+    for (const auto& [name, rejected] : listened_rejected) channels[name].rejected = rejected;
     s.state_text = state_text;
     s.last_error = last_error;
     s.step = step_done;
@@ -191,7 +197,7 @@ status_t Bus::Impl::status() const {
       stats.lost = channel.counters.lost;
       stats.late = channel.counters.late;
       stats.duplicated = channel.counters.duplicated;
-      stats.rejected = channel.counters.rejected;
+      stats.rejected += channel.counters.rejected;
       stats.bytes = channel.counters.bytes;
       stats.last_utime = channel.counters.last_utime_us;
     }
@@ -217,9 +223,11 @@ void Bus::Impl::send_status() {
   told_activity = activity.load();
   status_t s = status();
   const std::lock_guard<std::mutex> lock(out_mutex);
+  // Listeners take these counts for what was sent before this STATUS: no more, no less.
+  for (auto& stats : s.channels) stats.published = outbox.next_seq(stats.channel) - 1;
   s.seq = outbox.next_seq("STATUS");
   const auto bytes = bus_detail::encode(s);
-  outbox.sent("STATUS", bytes);
+  outbox.sent_once("STATUS", bytes.size());
   transport->publish("STATUS", bytes);
 }
 

@@ -28,6 +28,7 @@ struct Bus::Impl {
   void receive(std::size_t index, const std::uint8_t* bytes, std::size_t size);
   bool passes_guard(const std::string& channel, const LcmType& type, const std::uint8_t* bytes,
                     std::size_t size);
+  void listen(const std::string& channel, const LcmType* type, Decode decode);
   void decode_safely(const std::string& channel, const Decode& decode, const std::uint8_t* bytes,
                      std::size_t size);
   void on_resend(const resend_t& request);
@@ -35,7 +36,7 @@ struct Bus::Impl {
   void on_peer_status(const status_t& peer);
   void idle();  // STATUS, indexes, requests for what is missing, answers to requests
   void request_missing(std::int64_t now);
-  void answer_requests();
+  void answer_requests(std::int64_t now);
 
   // --- handling thread ---
   bool handle_one(int timeout_ms);
@@ -44,6 +45,7 @@ struct Bus::Impl {
   void call_timers();
 
   // --- any thread ---
+  void pace();  // sleeps when a burst has been sent; out_mutex not held
   void send(const std::string& channel, const std::vector<std::uint8_t>& bytes);  // out_mutex held
   void report(const std::string& text);
   status_t status() const;
@@ -91,13 +93,13 @@ struct Bus::Impl {
   std::int64_t burst_begin_us = 0;
   int burst_messages = 0;
   std::size_t burst_bytes = 0;
-  std::deque<std::pair<std::string, Outbox::Bytes>> to_resend;
 
   std::vector<Timer> timers;  // handling thread only
   std::atomic<std::int64_t> last_status_us{0};
   std::int64_t last_index_us = 0;
+  std::int64_t last_answer_us = 0;
   std::atomic<std::int64_t> told_activity{-1};
-  std::atomic<std::int64_t> activity{0};      // grows with each handled message
+  std::atomic<std::int64_t> activity{0};      // grows with each message handled or sent
   std::vector<std::shared_ptr<void>> tokens;  // last: destroyed first
 };
 

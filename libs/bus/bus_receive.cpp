@@ -17,8 +17,9 @@ constexpr std::int64_t kGapAge_us = 15'000;  // reordering on a network is over 
 constexpr std::int64_t kRequestPeriod_us = 40'000;
 constexpr std::int64_t kGiveUp_us = 2'000'000;
 constexpr std::size_t kMostRequested = 1000;
-constexpr std::size_t kAnswerBytes =
-    256 << 10;  // per idle call: a burst must fit the asker's socket buffer
+// At most so much per period: a burst must fit the asker's socket buffer.
+constexpr std::size_t kAnswerBytes = 256 << 10;
+constexpr std::int64_t kAnswerPeriod_us = 2'000;
 
 }  // namespace
 
@@ -41,6 +42,16 @@ bool Bus::Impl::passes_guard(const std::string& channel, const LcmType& type,
   report("channel " + channel + ": message of " + std::to_string(size) +
          " bytes rejected: " + *reason);
   return false;
+}
+
+void Bus::Impl::listen(const std::string& channel, const LcmType* type, Decode decode) {
+  tokens.push_back(transport->subscribe(
+      channel, [this, type, decode = std::move(decode)](
+                   const std::string& name, const std::uint8_t* bytes, std::size_t size) {
+        if (passes_guard(name, *type, bytes, size)) return decode_safely(name, decode, bytes, size);
+        const std::lock_guard<std::mutex> lock(mutex);
+        ++listened_rejected[name];
+      }));
 }
 
 void Bus::Impl::decode_safely(const std::string& channel, const Decode& decode,
@@ -85,13 +96,16 @@ void Bus::Impl::receive(std::size_t index, const std::uint8_t* bytes, std::size_
 
 void Bus::Impl::on_resend(const resend_t& request) {
   const std::lock_guard<std::mutex> lock(out_mutex);
-  for (auto& bytes : outbox.answer(request))
-    to_resend.emplace_back(request.channel, std::move(bytes));
+  outbox.request(request);
 }
 
 void Bus::Impl::on_step(const step_t& step) {
-  const std::lock_guard<std::mutex> lock(mutex);
-  if (step.step <= step_done || (!steps.empty() && step.step <= steps.back().step)) return;
+  std::unique_lock<std::mutex> lock(mutex);
+  if (step.step == step_done) {  // asked again: our answer was lost
+    lock.unlock();
+    return send_status();
+  }
+  if (step.step < step_done || (!steps.empty() && step.step <= steps.back().step)) return;
   const std::int64_t now = now_us();
   for (std::size_t i = 0; i < step.channels.size(); ++i)
     inbox.expect(step.channels[i], step.counts[i], now);
@@ -148,25 +162,27 @@ void Bus::Impl::request_missing(std::int64_t now) {
     request.requester = options.process;
     request.seq = outbox.next_seq("RESEND");
     const auto bytes = bus_detail::encode(request);
-    outbox.sent("RESEND", bytes);
+    outbox.sent_once("RESEND", bytes.size());
     transport->publish("RESEND", bytes);
   }
 }
 
-void Bus::Impl::answer_requests() {
+void Bus::Impl::answer_requests(std::int64_t now) {
+  if (now - last_answer_us < kAnswerPeriod_us) return;
+  last_answer_us = now;
   const std::lock_guard<std::mutex> lock(out_mutex);
-  std::size_t sent = 0;
-  while (!to_resend.empty() && sent < kAnswerBytes) {
-    transport->publish(to_resend.front().first, to_resend.front().second);
-    sent += to_resend.front().second.size();
-    to_resend.pop_front();
+  for (std::size_t sent = 0; sent < kAnswerBytes;) {
+    const auto message = outbox.take_requested();
+    if (!message) return;
+    transport->publish(message->first, message->second);
+    sent += message->second.size();
   }
 }
 
 void Bus::Impl::idle() {
   const std::int64_t now = now_us();
   request_missing(now);
-  answer_requests();
+  answer_requests(now);
   if (!running) return;
   const bool busy = options.mode == Mode::kThroughput && told_activity != activity &&
                     now - last_status_us >= kBusyStatusPeriod_us;
@@ -179,7 +195,7 @@ void Bus::Impl::idle() {
     index.utime = wall_utime_us();
     index.seq = outbox.next_seq(channel);
     const auto bytes = bus_detail::encode(index);
-    outbox.sent(channel, bytes);
+    outbox.sent_once(channel, bytes.size());
     transport->publish(channel, bytes);
   }
 }

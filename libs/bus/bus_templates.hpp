@@ -18,14 +18,29 @@ std::vector<std::uint8_t> encode(const Message& message) {
   return bytes;
 }
 
+// Bytes that passed the guard and still are no message.
+struct Undecodable : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+template <class Message>
+Message decode(const std::uint8_t* bytes, std::size_t size) {
+  Message message;
+  int used = -1;
+  try {
+    used = message.decode(bytes, 0, static_cast<int>(size));
+  } catch (const std::exception& error) {  // out of memory
+    throw Undecodable(std::string("the generated decoder failed: ") + error.what());
+  }
+  if (used < 0) throw Undecodable("the generated decoder refused it");
+  return message;
+}
+
 template <class Message>
 std::function<void(const std::uint8_t*, std::size_t)> decoder(
     std::function<void(const Message&)> handler) {
   return [handler = std::move(handler)](const std::uint8_t* bytes, std::size_t size) {
-    Message message;
-    if (message.decode(bytes, 0, static_cast<int>(size)) < 0)
-      throw std::invalid_argument("the generated decoder refused it");
-    handler(message);
+    handler(decode<Message>(bytes, size));
   };
 }
 

@@ -35,21 +35,45 @@ void Outbox::sent_tile(const std::string& channel, const TileKey& key, std::int6
   channels_[channel].tiles[key] = {revision, bytes};
 }
 
-std::vector<Outbox::Bytes> Outbox::answer(const resend_t& request) const {
-  std::vector<Bytes> result;
-  const auto it = channels_.find(request.channel);
-  if (it == channels_.end()) return result;
+void Outbox::sent_once(const std::string& name, std::size_t size_bytes) {
+  Channel& channel = channels_[name];
+  ++channel.count;
+  channel.bytes += static_cast<std::int64_t>(size_bytes);
+}
+
+const Outbox::Bytes* Outbox::find(const Wanted& wanted) const {
+  const auto& [name, seq, key] = wanted;
+  const auto it = channels_.find(name);
+  if (it == channels_.end()) return nullptr;
   const Channel& channel = it->second;
-  const std::int64_t oldest = channel.count - static_cast<std::int64_t>(channel.recent.size()) + 1;
-  for (const std::int64_t seq : request.seqs)
-    if (seq >= oldest && seq <= channel.count)
-      result.push_back(channel.recent[static_cast<std::size_t>(seq - oldest)]);
-  for (std::size_t i = 0; i < request.submap_id.size(); ++i) {
-    const auto tile =
-        channel.tiles.find({request.submap_id[i], request.x[i], request.y[i], request.z[i]});
-    if (tile != channel.tiles.end()) result.push_back(tile->second.bytes);
+  if (seq == 0) {
+    const auto tile = channel.tiles.find(key);
+    return tile == channel.tiles.end() ? nullptr : &tile->second.bytes;
   }
-  return result;
+  const std::int64_t oldest = channel.count - static_cast<std::int64_t>(channel.recent.size()) + 1;
+  if (seq < oldest || seq > channel.count) return nullptr;
+  return &channel.recent[static_cast<std::size_t>(seq - oldest)];
+}
+
+void Outbox::request(const resend_t& request) {
+  const auto note = [this](const Wanted& wanted) {
+    if (find(wanted) != nullptr && is_wanted_.insert(wanted).second) wanted_.push_back(wanted);
+  };
+  for (const std::int64_t seq : request.seqs)
+    if (seq > 0) note({request.channel, seq, TileKey{}});
+  for (std::size_t i = 0; i < request.submap_id.size(); ++i)
+    note({request.channel, 0,
+          TileKey{request.submap_id[i], request.x[i], request.y[i], request.z[i]}});
+}
+
+std::optional<std::pair<std::string, Outbox::Bytes>> Outbox::take_requested() {
+  while (!wanted_.empty()) {
+    const Wanted wanted = std::move(wanted_.front());
+    wanted_.pop_front();
+    is_wanted_.erase(wanted);
+    if (const Bytes* bytes = find(wanted)) return std::pair{std::get<0>(wanted), *bytes};
+  }
+  return std::nullopt;
 }
 
 std::vector<tile_index_t> Outbox::indexes() const {

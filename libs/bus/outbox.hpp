@@ -6,7 +6,11 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "fusion_slam/resend_t.hpp"
@@ -27,8 +31,14 @@ class Outbox {
   void sent_tile(const std::string& channel, const TileKey& key, std::int64_t revision,
                  const Bytes& bytes);
 
-  // What a request asks for and is still here.
-  std::vector<Bytes> answer(const resend_t& request) const;
+  // Records a message that is never asked for again (STATUS and the like): counted, not kept.
+  void sent_once(const std::string& channel, std::size_t size_bytes);
+
+  // Notes what is asked for and is still here. What waits already is not noted twice: requests,
+  // however many and whoever sends them, cost no more than what there is to send.
+  void request(const resend_t& request);
+  // Takes the message that was noted first; nothing when none waits.
+  std::optional<std::pair<std::string, Bytes>> take_requested();
 
   // The full list of tiles of each channel that has any, in parts that fit a datagram.
   std::vector<tile_index_t> indexes() const;
@@ -48,7 +58,13 @@ class Outbox {
     std::size_t recent_bytes = 0;
     std::map<TileKey, StoredTile> tiles;
   };
+  // One message: by number, or (number 0) the newest of a tile.
+  using Wanted = std::tuple<std::string, std::int64_t, TileKey>;
+  const Bytes* find(const Wanted& wanted) const;
+
   std::map<std::string, Channel> channels_;
+  std::deque<Wanted> wanted_;
+  std::set<Wanted> is_wanted_;
 };
 
 }  // namespace fusion_slam

@@ -52,6 +52,7 @@ int process_main(int argc, char** argv, const std::string& name, const std::stri
   }
   try {
     Bus bus(options);
+    const std::shared_ptr<void> no_signals_after(nullptr, [](void*) { running_bus = nullptr; });
     running_bus = &bus;
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
@@ -60,9 +61,7 @@ int process_main(int argc, char** argv, const std::string& name, const std::stri
     });
     const std::shared_ptr<void> process = make(bus);
     bus.run();
-    running_bus = nullptr;
   } catch (const std::exception& error) {
-    running_bus = nullptr;
     std::cerr << name << ": " << error.what() << std::endl;
     return 1;
   }

@@ -1,5 +1,7 @@
 #include "libs/bus/transport.hpp"
 
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <list>
 #include <mutex>
@@ -50,6 +52,7 @@ struct Transport::Impl {
   std::recursive_mutex mutex;  // of the lists, and against owners that leave while a callback runs
   std::list<std::shared_ptr<std::function<void()>>> idle;
   std::list<Subscription> subscriptions;
+  std::once_flag started;
   std::thread thread;
 };
 
@@ -69,12 +72,17 @@ Transport::Transport(const std::string& url) : impl_(std::make_unique<Impl>(comp
   if (!impl_->lcm.good())
     throw std::runtime_error("cannot open the LCM network " + impl_->url +
                              ": run `fusion-slam doctor`, it says what is wrong and what mends it");
-  impl_->thread = std::thread([this] { impl_->loop(); });
+  if (impl_->url.rfind("file://", 0) != 0) start();
+}
+
+void Transport::start() {
+  std::call_once(impl_->started,
+                 [this] { impl_->thread = std::thread([this] { impl_->loop(); }); });
 }
 
 Transport::~Transport() {
   impl_->stopping = true;
-  impl_->thread.join();
+  if (impl_->thread.joinable()) impl_->thread.join();
 }
 
 std::shared_ptr<void> Transport::subscribe(const std::string& channel, Receive receive) {

@@ -17,12 +17,15 @@ class Transport {
   using Receive = std::function<void(const std::string& channel, const std::uint8_t* bytes,
                                      std::size_t size_bytes)>;
 
+  // Reading starts at once; for a log file (file://), which would play to nobody, with start().
   // Asks udpm for a receive buffer of 4 MiB unless the URL says otherwise. Throws
   // std::runtime_error naming the URL and what to do.
   explicit Transport(const std::string& url);
   ~Transport();
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
+
+  void start();  // any thread, any number of times
 
   // Called on the reader's thread for each message of the channel, until the returned token is
   // destroyed.

@@ -80,6 +80,53 @@ TEST(BusMemq, AMessageThatLiesAboutItsLengthIsRejectedAndCounted) {
   EXPECT_NE(receiver.status().last_error.find("GRID_FUSED"), std::string::npos);
 }
 
+TEST(BusMemq, WhatTheDecoderRefusesIsCountedAndHandledToTheEnd) {
+  auto transport = std::make_shared<Transport>("memq://");
+  Bus sender(named("sender"), transport);
+  Bus receiver(named("receiver"), transport);
+  // As the decoder of a message that passed the guard and does not fit in memory.
+  receiver.subscribe<command_t>("COMMAND", Policy::kKeepAll, [](const command_t&) {
+    throw bus_detail::Undecodable("the generated decoder failed: std::bad_alloc");
+  });
+  sender.publish("COMMAND", command("go"));
+  EXPECT_TRUE(soon([&] {
+    receiver.handle(10);
+    return receiver.processed().at("COMMAND") == 1;
+  }));
+  for (const auto& channel : receiver.status().channels) {
+    if (channel.channel != "COMMAND") continue;
+    EXPECT_EQ(channel.rejected, 1);
+  }
+}
+
+TEST(BusMemq, WhatAListenerRejectsIsCountedToo) {
+  auto transport = std::make_shared<Transport>("memq://");
+  Bus receiver(named("receiver"), transport);
+  receiver.listen<command_t>("COMMAND", [](const command_t&) {});
+  transport->publish("COMMAND", {1, 2, 3});
+  EXPECT_TRUE(soon([&] {
+    for (const auto& channel : receiver.status().channels)
+      if (channel.channel == "COMMAND") return channel.rejected == 1;
+    return false;
+  }));
+}
+
+TEST(BusMemq, APublisherThatStartsAgainIsHeard) {
+  auto transport = std::make_shared<Transport>("memq://");
+  Bus receiver(named("receiver"), transport);
+  std::vector<std::int64_t> utimes;
+  receiver.subscribe<command_t>("COMMAND", Policy::kKeepAll,
+                                [&](const command_t& m) { utimes.push_back(m.utime); });
+  for (int life = 0; life < 3; ++life) {
+    Bus sender(named("sender"), transport);
+    for (int i = 1; i <= 5; ++i) sender.publish("COMMAND", command("go", 10 * life + i));
+    EXPECT_TRUE(soon([&] {
+      receiver.handle(10);
+      return utimes.size() == 5U * (life + 1U);
+    })) << utimes.size();
+  }
+}
+
 TEST(BusMemq, LostMessagesAreAskedForAndCome) {
   auto transport = std::make_shared<Transport>("memq://");
   auto elsewhere = std::make_shared<Transport>("memq://");  // a network the receiver doesn't hear

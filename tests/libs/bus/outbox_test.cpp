@@ -12,21 +12,45 @@ resend_t ask(const std::string& channel, std::vector<std::int64_t> seqs) {
   return request;
 }
 
+std::vector<Outbox::Bytes> answer(Outbox& outbox, const resend_t& request) {
+  outbox.request(request);
+  std::vector<Outbox::Bytes> all;
+  while (auto message = outbox.take_requested()) all.push_back(std::move(message->second));
+  return all;
+}
+
 TEST(Outbox, NumbersFromOneAndAnswersByNumber) {
   Outbox outbox;
   EXPECT_EQ(outbox.next_seq("A"), 1);
   for (std::uint8_t i = 1; i <= 5; ++i) outbox.sent("A", {i});
   EXPECT_EQ(outbox.next_seq("A"), 6);
-  EXPECT_EQ(outbox.answer(ask("A", {2, 5, 6, 0, -1})), (std::vector<Outbox::Bytes>{{2}, {5}}));
-  EXPECT_TRUE(outbox.answer(ask("B", {1})).empty());
+  EXPECT_EQ(answer(outbox, ask("A", {2, 5, 6, 0, -1})), (std::vector<Outbox::Bytes>{{2}, {5}}));
+  EXPECT_TRUE(answer(outbox, ask("B", {1})).empty());
 }
 
 TEST(Outbox, MemoryIsBounded) {
   Outbox outbox;
   for (int i = 0; i < 100; ++i) outbox.sent("A", Outbox::Bytes(1 << 20));
-  EXPECT_TRUE(outbox.answer(ask("A", {1})).empty());
-  EXPECT_EQ(outbox.answer(ask("A", {100})).size(), 1U);
+  EXPECT_TRUE(answer(outbox, ask("A", {1})).empty());
+  EXPECT_EQ(answer(outbox, ask("A", {100})).size(), 1U);
   EXPECT_EQ(outbox.bytes("A"), 100LL << 20);
+}
+
+TEST(Outbox, WhatIsAskedForOftenIsSentOnce) {
+  Outbox outbox;
+  for (std::uint8_t i = 1; i <= 3; ++i) outbox.sent("A", {i});
+  for (int i = 0; i < 1000; ++i) outbox.request(ask("A", {2, 2, 3}));
+  EXPECT_EQ(outbox.take_requested()->second, Outbox::Bytes{2});
+  EXPECT_EQ(answer(outbox, ask("A", {2})), (std::vector<Outbox::Bytes>{{3}, {2}}));
+  EXPECT_FALSE(outbox.take_requested());
+}
+
+TEST(Outbox, WhatIsSentOnceIsCountedAndNotKept) {
+  Outbox outbox;
+  outbox.sent_once("STATUS", 100);
+  EXPECT_EQ(outbox.next_seq("STATUS"), 2);
+  EXPECT_EQ(outbox.bytes("STATUS"), 100);
+  EXPECT_TRUE(answer(outbox, ask("STATUS", {1})).empty());
 }
 
 TEST(Outbox, KeepsTheNewestTileOfEachKeyAndListsThem) {
@@ -45,7 +69,7 @@ TEST(Outbox, KeepsTheNewestTileOfEachKeyAndListsThem) {
   request.x = {7, 7};
   request.y = {0, 0};
   request.z = {0, 0};
-  EXPECT_EQ(outbox.answer(request), (std::vector<Outbox::Bytes>{{2}}));
+  EXPECT_EQ(answer(outbox, request), (std::vector<Outbox::Bytes>{{2}}));
 }
 
 }  // namespace
