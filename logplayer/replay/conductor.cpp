@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kPollPeriod = std::chrono::milliseconds(50);
 constexpr auto kStepRepeat = std::chrono::milliseconds(200);  // a lost STEP is sent again
-constexpr std::size_t kRepeatMemory = 64;  // as the receivers' (libs/bus/inbox.cpp)
+constexpr std::size_t kRepeatMemory = 256;  // as the receivers' (libs/bus/inbox.cpp)
 
 bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
@@ -41,13 +41,31 @@ std::vector<std::uint8_t> renumbered(const LogEvent& event, std::int64_t seq) {
   return bytes;
 }
 
+// Sensors' channels and their types.
+const std::map<std::string, const LcmType*>& sensors() {
+  static const std::map<std::string, const LcmType*> kSensors = [] {
+    const Schema& schema = builtin_schema();
+    return std::map<std::string, const LcmType*>{
+        {"CAMERA", schema.find("bot_core.images_t")},
+        {"CAMERA_MODEL", schema.find("fusion_slam.camera_model_t")},
+        {"LIDAR", schema.find("bot_core.planar_lidar_t")},
+        {"ROBOT_MODEL", schema.find("fusion_slam.robot_model_t")},
+        {"ODOMETRY", schema.find("bot_core.pose_t")},
+        {"GROUND_TRUTH", schema.find("bot_core.pose_t")}};
+  }();
+  return kSensors;
+}
+
+bool is_decodable(const LogEvent& event) {
+  const auto sensor = sensors().find(event.channel);
+  const LcmType* type =
+      sensor != sensors().end() ? sensor->second : peek_type(event.data.data(), event.data.size());
+  return type != nullptr && !check(*type, event.data.data(), event.data.size());
+}
+
 }  // namespace
 
-bool is_sensor_channel(const std::string& channel) {
-  static const std::set<std::string> kSensors{"CAMERA",      "CAMERA_MODEL", "LIDAR",
-                                              "ROBOT_MODEL", "ODOMETRY",     "GROUND_TRUTH"};
-  return kSensors.count(channel) > 0;
-}
+bool is_sensor_channel(const std::string& channel) { return sensors().count(channel) > 0; }
 
 struct Conductor::Peers {
   std::mutex mutex;
@@ -71,6 +89,8 @@ Conductor::Conductor(Bus& bus, ConductorOptions options, std::function<void()> p
   bus_.listen<status_t>("STATUS", [peers = shared_, names = options_.processes](const status_t& m) {
     if (std::find(names.begin(), names.end(), m.process) != names.end()) peers->hear(m);
   });
+  // In throughput mode listeners learn from our STATUS what they lack; lockstep has STEP for that.
+  if (options_.mode == Mode::kThroughput) bus_.handle(0);
 }
 
 bool Conductor::wait(const std::function<bool()>& ready, const std::string& what) {
@@ -207,8 +227,9 @@ bool Conductor::is_repeat(const LogEvent& event) {
   return false;
 }
 
-bool Conductor::play(const LogEvent& event) {
-  if (is_repeat(event)) return false;
+Played Conductor::play(const LogEvent& event) {
+  if (!is_decodable(event)) return Played::kUndecodable;
+  if (is_repeat(event)) return Played::kRepeat;
   const auto published = bus_.published();
   const auto mine = published.find(event.channel);
   bus_.publish_bytes(event.channel,
@@ -226,7 +247,7 @@ bool Conductor::play(const LogEvent& event) {
         },
         "replay");
   }
-  return true;
+  return Played::kYes;
 }
 
 void Conductor::command(const std::string& verb, std::int64_t utime_us) {

@@ -28,6 +28,8 @@ struct ConductorOptions {
   int stall_timeout_s = 120;           // no progress at all for this long is an error
 };
 
+enum class Played { kYes, kRepeat, kUndecodable };
+
 class Conductor {
  public:
   // `poll` is called at least every 50 ms while waiting; it throws to end the wait (a process died,
@@ -39,9 +41,10 @@ class Conductor {
   void wait_for_processes(int timeout_s);
 
   // Sends one event of a log. Lockstep: returns when all is quiet again. Throughput: returns when
-  // there is room for the next. An exact repeat of a recent message of the same channel is skipped
-  // (returns false): receivers could not tell it from a re-send.
-  bool play(const LogEvent& event);
+  // there is room for the next. Not sent are an exact repeat of a recent message of the same
+  // channel (receivers could not tell it from a re-send) and what is no message of the channel's
+  // type (they would reject it, and it would look like a loss).
+  Played play(const LogEvent& event);
 
   // Sends COMMAND `verb` to all and returns when all is quiet.
   void command(const std::string& verb, std::int64_t utime_us);

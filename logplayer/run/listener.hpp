@@ -21,7 +21,7 @@ class Listener {
   explicit Listener(std::shared_ptr<Transport> transport);
   ~Listener();
 
-  // Of the replay's own thread: events it is about to play.
+  // Of the replay's own thread: events it has played.
   void sensor_event(const LogEvent& event);
 
   // True when everything that was published on the channels listened to is collected.

@@ -32,12 +32,19 @@ PlaybackResult play_log(const std::filesystem::path& log, std::int64_t most_even
     if (!is_sensor_channel(event.channel)) continue;
     if (n++ == 0) result.first_utime_us = event.timestamp_us;
     result.last_utime_us = event.timestamp_us;
-    note_sensor_time(event, &result);
-    on_event(event);
-    if (conductor.play(event))
-      ++result.played[event.channel];
-    else
-      ++result.repeats_skipped;
+    switch (conductor.play(event)) {
+      case Played::kYes:
+        ++result.played[event.channel];
+        note_sensor_time(event, &result);
+        on_event(event);
+        break;
+      case Played::kRepeat:
+        ++result.repeats_skipped;
+        break;
+      case Played::kUndecodable:
+        ++result.undecodable_skipped;
+        break;
+    }
     const double done = most_events > 0 ? static_cast<double>(n) / static_cast<double>(most_events)
                                         : static_cast<double>(reader.offset_bytes()) /
                                               static_cast<double>(reader.size_bytes());

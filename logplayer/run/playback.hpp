@@ -15,7 +15,8 @@ namespace fusion_slam {
 struct PlaybackResult {
   std::map<std::string, std::int64_t> played;  // events by channel
   std::int64_t repeats_skipped = 0;
-  std::int64_t first_utime_us = 0;  // log time
+  std::int64_t undecodable_skipped = 0;  // not messages of the channel's type
+  std::int64_t first_utime_us = 0;       // log time
   std::int64_t last_utime_us = 0;
   std::int64_t first_sensor_utime_us = 0;  // measurement time of CAMERA and LIDAR
   std::int64_t last_sensor_utime_us = 0;

@@ -38,13 +38,11 @@ struct Outcome {
 };
 
 // The listener is another process to the others: give it the time to hear what was said last.
-void wait_for_listener(const Listener& listener, const Conductor& conductor) {
+bool wait_for_listener(const Listener& listener, const Conductor& conductor) {
   const auto deadline = Clock::now() + std::chrono::seconds(20);
   while (!listener.has_all(conductor.counts()) && Clock::now() < deadline && interrupts() < 2)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  if (!listener.has_all(conductor.counts()))
-    std::cerr
-        << "run: some of the last messages did not arrive; the maps may lack their last tiles\n";
+  return listener.has_all(conductor.counts());
 }
 
 Outcome replay(const RunOptions& options, const std::string& url) {
@@ -76,7 +74,9 @@ Outcome replay(const RunOptions& options, const std::string& url) {
     if (!outcome.playback.damage.empty()) outcome.problem = outcome.playback.damage;
     if (outcome.playback.interrupted) outcome.problem = "interrupted: the result is partial";
     conductor.command("finish", outcome.playback.last_utime_us);
-    wait_for_listener(listener, conductor);
+    if (!wait_for_listener(listener, conductor) && outcome.problem.empty())
+      outcome.problem =
+          "some of the last messages did not reach the collector: the maps may lack tiles";
   } catch (const std::exception& error) {
     outcome.problem = error.what();
   }
@@ -108,6 +108,7 @@ void write_metrics(const RunOptions& options, const Outcome& outcome) {
   json["wall_s"] = outcome.wall_s;
   json["real_time_factor"] = outcome.wall_s > 0.0 ? duration_s / outcome.wall_s : 0.0;
   json["repeated_events_skipped"] = outcome.playback.repeats_skipped;
+  json["undecodable_events_skipped"] = outcome.playback.undecodable_skipped;
   json.update(channel_metrics(outcome.peers, outcome.counts));
   if (options.keep_session)
     json["session_missing_total"] =
@@ -122,6 +123,22 @@ void write_metrics(const RunOptions& options, const Outcome& outcome) {
   std::filesystem::rename(partial, options.out / "metrics.json");
 }
 
+// What an earlier run left would pass for this one's. Never what this one reads.
+void remove_results(const RunOptions& options) {
+  std::vector<std::filesystem::path> results;
+  for (const char* name : {"trajectory.tum", "live.tum", "groundtruth.tum", "map.pgm", "map.yaml",
+                           "map.png", "octomap.bt", "cloud.ply", "metrics.json", "session.lcmlog"})
+    results.push_back(options.out / name);
+  for (const auto& result : results)
+    for (const auto& input : {options.log, options.relations})
+      if (!input.empty() && std::filesystem::exists(result) &&
+          std::filesystem::equivalent(result, input))
+        throw std::runtime_error("the results would overwrite " + input.string() +
+                                 ": give another folder than " + options.out.string() +
+                                 " to --out");
+  for (const auto& result : results) std::filesystem::remove(result);
+}
+
 void tell(const RunOptions& options, const Outcome& outcome) {
   std::ifstream file(options.out / "metrics.json");
   const Json json = Json::parse(file);
@@ -131,6 +148,9 @@ void tell(const RunOptions& options, const Outcome& outcome) {
         "duration_s", "wall_s", "real_time_factor", "dropped_total", "lost_total",
         "session_missing_total"})
     if (json.contains(key)) std::cout << "  " << key << ": " << json[key] << "\n";
+  if (outcome.playback.undecodable_skipped > 0)
+    std::cout << "  " << outcome.playback.undecodable_skipped
+              << " events of the log could not be decoded: `fusion-slam verify` says which\n";
   std::cout << "  files in " << options.out.string() << ":";
   for (const std::string& name : outcome.session.files) std::cout << " " << name;
   std::cout << " metrics.json\n";
@@ -144,10 +164,7 @@ int run_log(const RunOptions& options) {
   watch_interrupts();
   const LogReader is_a_log(options.log);  // throws, before anything is started, when it is not
   std::filesystem::create_directories(options.out);
-  // What an earlier run left would pass for this one's.
-  for (const char* name : {"trajectory.tum", "live.tum", "groundtruth.tum", "map.pgm", "map.yaml",
-                           "map.png", "octomap.bt", "cloud.ply", "metrics.json", "session.lcmlog"})
-    std::filesystem::remove(options.out / name);
+  remove_results(options);
   PrivateNetwork network{options.lcm_url, "the network " + options.lcm_url};
   if (options.lcm_url.empty()) network = enter_private_network();
   std::cerr << "run: " << options.log.string() << " in " << to_string(options.mode) << " mode, on "

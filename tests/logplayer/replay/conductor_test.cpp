@@ -2,6 +2,7 @@
 // log alone.
 #include "logplayer/replay/conductor.hpp"
 
+#include <atomic>
 #include <random>
 #include <thread>
 
@@ -72,7 +73,7 @@ struct Pipeline {
     for (int i = 1; i <= n; ++i) {
       bot_core::pose_t pose{};
       pose.utime = i;
-      EXPECT_TRUE(conductor.play({0, i, i, "ODOMETRY", bus_detail::encode(pose)}));
+      EXPECT_EQ(conductor.play({0, i, i, "ODOMETRY", bus_detail::encode(pose)}), Played::kYes);
       if (mode == Mode::kLockstep) {
         EXPECT_EQ(seen.size(), static_cast<std::size_t>(5 * i)) << "digested before the next event";
       }
@@ -115,9 +116,41 @@ TEST(Conductor, AnExactRepeatIsNotPlayed) {
   Conductor conductor(pipeline.driver, options, [] {});
   conductor.wait_for_processes(10);
   const LogEvent event{0, 1, 1, "ODOMETRY", bus_detail::encode(bot_core::pose_t{})};
-  EXPECT_TRUE(conductor.play(event));
-  EXPECT_FALSE(conductor.play(event));
+  EXPECT_EQ(conductor.play(event), Played::kYes);
+  EXPECT_EQ(conductor.play(event), Played::kRepeat);
   EXPECT_EQ(pipeline.seen.size(), 5U);
+}
+
+TEST(Conductor, WhatListenersWouldRejectIsNotPlayed) {
+  Pipeline pipeline(Mode::kLockstep, 1);
+  ConductorOptions options;
+  options.processes = {"double", "triple", "join"};
+  Conductor conductor(pipeline.driver, options, [] {});
+  conductor.wait_for_processes(10);
+  LogEvent event{0, 1, 1, "ODOMETRY", bus_detail::encode(bot_core::pose_t{})};
+  event.data.pop_back();
+  EXPECT_EQ(conductor.play(event), Played::kUndecodable);
+  event.data = bus_detail::encode(pose_estimate_t{});
+  EXPECT_EQ(conductor.play(event), Played::kUndecodable) << "another type";
+  event.data = {1, 2, 3};
+  EXPECT_EQ(conductor.play(event), Played::kUndecodable);
+  event.data = bus_detail::encode(bot_core::pose_t{});
+  EXPECT_EQ(conductor.play(event), Played::kYes);
+  EXPECT_EQ(pipeline.seen.size(), 5U);
+}
+
+TEST(Conductor, InThroughputModeStatusTellsListenersWhatWasSent) {
+  Pipeline pipeline(Mode::kThroughput, 1);
+  std::atomic<std::int64_t> told{0};
+  pipeline.bus_join.listen<status_t>("STATUS", [&](const status_t& status) {
+    if (status.process != "replay") return;
+    for (const auto& channel : status.channels)
+      if (channel.channel == "ODOMETRY") told = channel.published;
+  });
+  pipeline.play(Mode::kThroughput, 10);
+  for (int i = 0; i < 500 && told < 10; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(told, 10);
 }
 
 TEST(Conductor, NamesWhoIsMissing) {
