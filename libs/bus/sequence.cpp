@@ -12,6 +12,7 @@ SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_
     floor_ = seq;
     highest_ = seq - 1;
     missing_.clear();
+    given_up_.clear();
     before_floor_.erase(before_floor_.lower_bound(seq), before_floor_.end());
   }
   newest_utime_us_ = std::max(newest_utime_us_, utime_us);
@@ -27,12 +28,12 @@ SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_
     missing_.erase(seq);
     return Seen::kNew;
   }
-  return missing_.erase(seq) > 0 ? Seen::kNew : Seen::kDuplicate;
+  return missing_.erase(seq) + given_up_.erase(seq) > 0 ? Seen::kNew : Seen::kDuplicate;
 }
 
 bool SequenceTracker::was_seen(std::int64_t seq) const {
   if (seq < floor_) return before_floor_.count(seq) > 0;
-  return seq <= highest_ && missing_.count(seq) == 0;
+  return seq <= highest_ && missing_.count(seq) + given_up_.count(seq) == 0;
 }
 
 void SequenceTracker::expect(std::int64_t count, std::int64_t now_us) {
@@ -64,9 +65,11 @@ std::size_t SequenceTracker::give_up(std::int64_t now_us, std::int64_t max_age_u
       ++it;
       continue;
     }
+    given_up_.insert(it->first);
     it = missing_.erase(it);
     ++lost;
   }
+  while (given_up_.size() > static_cast<std::size_t>(kMostGaps)) given_up_.erase(given_up_.begin());
   return lost;
 }
 

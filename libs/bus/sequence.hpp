@@ -30,7 +30,8 @@ class SequenceTracker {
   // Missing numbers whose gap is at least min_age_us old, lowest first, at most `most`.
   std::vector<std::int64_t> missing(std::int64_t now_us, std::int64_t min_age_us,
                                     std::size_t most) const;
-  // Stops waiting for numbers missing for longer than max_age_us and says how many.
+  // Stops waiting for numbers missing for longer than max_age_us and says how many. Should one come
+  // all the same (a tile that was asked for by its key), it is new.
   std::size_t give_up(std::int64_t now_us, std::int64_t max_age_us);
   std::size_t missing_count() const { return missing_.size(); }
 
@@ -46,8 +47,9 @@ class SequenceTracker {
   std::int64_t highest_ = 0;  // newest seen or expected
   std::int64_t newest_utime_us_ = 0;
   std::map<std::int64_t, std::int64_t> missing_;  // number -> when the gap was noticed
-  std::size_t forgotten_ = 0;                     // gaps beyond kMostGaps
-  std::set<std::int64_t> before_floor_;           // came to this late listener
+  std::set<std::int64_t> given_up_;
+  std::size_t forgotten_ = 0;            // gaps beyond kMostGaps
+  std::set<std::int64_t> before_floor_;  // came to this late listener
 };
 
 }  // namespace fusion_slam

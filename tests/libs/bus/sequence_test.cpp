@@ -21,6 +21,9 @@ TEST(Sequence, GapsAreMissingUntilTheyArrive) {
   EXPECT_EQ(tracker.missing(200, 50, 10), (std::vector<std::int64_t>{2}));
   EXPECT_EQ(tracker.give_up(200, 50), 1U);
   EXPECT_EQ(tracker.missing_count(), 0U);
+  EXPECT_EQ(tracker.see(2, 50, 300), Seen::kNew) << "given up, and here all the same";
+  EXPECT_EQ(tracker.see(2, 50, 300), Seen::kDuplicate);
+  EXPECT_EQ(tracker.see(4, 40, 300), Seen::kDuplicate) << "not taken for a new stream";
 }
 
 TEST(Sequence, AReplayKnowsItsBeginningAndItsEnd) {
