@@ -66,8 +66,10 @@ Child::~Child() { stop(2000); }
 bool Child::running() {
   if (ended_ || pid_ < 0) return false;
   int status = 0;
-  if (waitpid(pid_, &status, WNOHANG) != pid_) return true;
+  const pid_t who = waitpid(pid_, &status, WNOHANG);
+  if (who == 0) return true;
   ended_ = true;
+  if (who != pid_) return false;  // somebody else collected it
   if (WIFEXITED(status)) exit_code_ = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) signal_ = WTERMSIG(status);
   return false;
