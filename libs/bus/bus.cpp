@@ -9,7 +9,7 @@
 
 namespace fusion_slam {
 
-Bus::Bus(BusOptions options) : Bus(options, std::make_shared<Transport>(options.url)) {}
+Bus::Bus(const BusOptions& options) : Bus(options, std::make_shared<Transport>(options.url)) {}
 
 Bus::Bus(BusOptions options, std::shared_ptr<Transport> transport)
     : impl_(std::make_unique<Impl>(std::move(options), std::move(transport))) {

@@ -36,7 +36,7 @@ class Transport;  // an LCM handle and its reader thread; several buses of one p
 class Bus {
  public:
   // Throws std::runtime_error with what to do when the network can't be opened.
-  explicit Bus(BusOptions options);
+  explicit Bus(const BusOptions& options);
   Bus(BusOptions options, std::shared_ptr<Transport> transport);
   ~Bus();
   Bus(const Bus&) = delete;

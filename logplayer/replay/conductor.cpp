@@ -108,9 +108,11 @@ bool Conductor::wait(const std::function<bool()>& ready, const std::string& what
       last_state = std::move(state);
       last_change = Clock::now();
     } else if (Clock::now() - last_change > std::chrono::seconds(options_.stall_timeout_s)) {
-      throw std::runtime_error(what + ": no progress for " +
-                               std::to_string(options_.stall_timeout_s) + " s; waiting for " +
-                               last_state);
+      throw std::runtime_error(std::string(what)
+                                   .append(": no progress for ")
+                                   .append(std::to_string(options_.stall_timeout_s))
+                                   .append(" s; waiting for ")
+                                   .append(last_state));
     }
   }
   return true;

@@ -3,7 +3,7 @@
 
 namespace fusion_slam {
 
-void watch_interrupts();  // SIGINT and SIGTERM of this process
+void watch_interrupts();  // SIGINT, SIGTERM and SIGHUP of this process
 int interrupts();         // how many have come
 
 }  // namespace fusion_slam

@@ -17,46 +17,44 @@ void note_sensor_time(const LogEvent& event, PlaybackResult* result) {
 
 }  // namespace
 
-PlaybackResult play_log(const std::filesystem::path& log, std::int64_t most_events,
-                        Conductor& conductor, Progress& progress,
-                        const std::function<void(const LogEvent&)>& on_event) {
-  PlaybackResult result;
+void play_log(const std::filesystem::path& log, std::int64_t most_events, Conductor& conductor,
+              Progress& progress, const std::function<void(const LogEvent&)>& on_event,
+              PlaybackResult* result) {
   LogReader reader(log);
   LogEvent event;
   std::int64_t n = 0;
   while ((most_events == 0 || n < most_events) && reader.next(&event)) {
     if (interrupts() > 0) {
-      result.interrupted = true;
-      return result;
+      result->interrupted = true;
+      return;
     }
     if (!is_sensor_channel(event.channel)) continue;
-    if (n++ == 0) result.first_utime_us = event.timestamp_us;
-    result.last_utime_us = event.timestamp_us;
+    if (n++ == 0) result->first_utime_us = event.timestamp_us;
+    result->last_utime_us = event.timestamp_us;
     switch (conductor.play(event)) {
       case Played::kYes:
-        ++result.played[event.channel];
-        note_sensor_time(event, &result);
+        ++result->played[event.channel];
+        note_sensor_time(event, result);
         on_event(event);
         break;
       case Played::kRepeat:
-        ++result.repeats_skipped;
+        ++result->repeats_skipped;
         break;
       case Played::kUndecodable:
-        ++result.undecodable_skipped;
+        ++result->undecodable_skipped;
         break;
     }
     const double done = most_events > 0 ? static_cast<double>(n) / static_cast<double>(most_events)
                                         : static_cast<double>(reader.offset_bytes()) /
                                               static_cast<double>(reader.size_bytes());
-    progress.show(done, 1e-6 * static_cast<double>(result.last_utime_us - result.first_utime_us),
+    progress.show(done, 1e-6 * static_cast<double>(result->last_utime_us - result->first_utime_us),
                   conductor.peers());
   }
-  if (reader.damage()) result.damage = reader.damage()->message;
-  if (n == 0 && result.damage.empty())
-    result.damage = log.string() +
-                    " holds none of CAMERA, LIDAR, ODOMETRY and the like: `fusion-slam info` says "
-                    "what it holds, `fusion-slam import` turns recordings into logs";
-  return result;
+  if (reader.damage()) result->damage = reader.damage()->message;
+  if (n == 0 && result->damage.empty())
+    result->damage = log.string() +
+                     " holds none of CAMERA, LIDAR, ODOMETRY and the like: `fusion-slam info` says "
+                     "what it holds, `fusion-slam import` turns recordings into logs";
 }
 
 }  // namespace fusion_slam

@@ -26,9 +26,9 @@ struct PlaybackResult {
 
 // Plays up to most_events (0: all). `on_event` is told of each event played. Stops early, without
 // an error, when interrupts() is not 0. Errors of the conductor (a process died, no progress) go
-// through.
-PlaybackResult play_log(const std::filesystem::path& log, std::int64_t most_events,
-                        Conductor& conductor, Progress& progress,
-                        const std::function<void(const LogEvent&)>& on_event);
+// through; *result then says what was played until then.
+void play_log(const std::filesystem::path& log, std::int64_t most_events, Conductor& conductor,
+              Progress& progress, const std::function<void(const LogEvent&)>& on_event,
+              PlaybackResult* result);
 
 }  // namespace fusion_slam

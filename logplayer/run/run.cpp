@@ -67,9 +67,9 @@ Outcome replay(const RunOptions& options, const std::string& url) {
     conductor.wait_for_processes(kStart_s);
     tolerated = 1;  // the first Ctrl-C ends the playback, the second ends the waiting
     Progress progress;
-    outcome.playback =
-        play_log(options.log, options.most_events, conductor, progress,
-                 [&listener](const LogEvent& event) { listener.sensor_event(event); });
+    play_log(
+        options.log, options.most_events, conductor, progress,
+        [&listener](const LogEvent& event) { listener.sensor_event(event); }, &outcome.playback);
     progress.finish();
     if (!outcome.playback.damage.empty()) outcome.problem = outcome.playback.damage;
     if (outcome.playback.interrupted) outcome.problem = "interrupted: the result is partial";
