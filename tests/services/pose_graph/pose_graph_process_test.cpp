@@ -92,7 +92,7 @@ TEST_F(PoseGraphOnBus, SaysPosesAndTheWholeGraphInParts) {
   ASSERT_TRUE(soon([this] { return poses_.size() == 900; })) << poses_.size();
   for (const pose_estimate_t& pose : poses_) {
     EXPECT_EQ(pose.frame, "map");
-    EXPECT_EQ(pose.state, pose_estimate_t::OK);
+    EXPECT_EQ(pose.state, int{pose_estimate_t::OK});
     EXPECT_NEAR(pose.T_frame_base.trans[0], static_cast<double>(pose.reference_id - 1), 1e-9);
   }
   command_t finish{};
