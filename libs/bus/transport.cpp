@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include <lcm/lcm-cpp.hpp>
+#include <lcm/lcm.h>
 
 namespace fusion_slam {
 namespace {
@@ -20,22 +20,31 @@ constexpr int kPoll_ms = 20;
 struct Subscription {
   Transport::Receive receive;  // empty once the owner is gone
   std::recursive_mutex* mutex = nullptr;
-
-  void handle(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-    const std::lock_guard<std::recursive_mutex> lock(*mutex);
-    if (receive)
-      receive(channel, static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
-  }
 };
+
+// LCM's C interface: the C++ header's member-function callbacks trip GCC 12's
+// UndefinedBehaviorSanitizer.
+void deliver(const lcm_recv_buf_t* buffer, const char* channel, void* user) {
+  const auto* subscription = static_cast<const Subscription*>(user);
+  const std::lock_guard<std::recursive_mutex> lock(*subscription->mutex);
+  if (subscription->receive)
+    subscription->receive(channel, static_cast<const std::uint8_t*>(buffer->data),
+                          buffer->data_size);
+}
 
 }  // namespace
 
 struct Transport::Impl {
-  explicit Impl(const std::string& complete) : url(complete), lcm(complete) {}
+  explicit Impl(const std::string& complete) : url(complete), lcm(lcm_create(complete.c_str())) {}
+  ~Impl() {
+    if (lcm != nullptr) lcm_destroy(lcm);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
   void loop() {
     while (!stopping) {
-      const int result = lcm.handleTimeout(kPoll_ms);
+      const int result = lcm_handle_timeout(lcm, kPoll_ms);
       if (result < 0) {
         ended = true;
         std::this_thread::sleep_for(std::chrono::milliseconds(kPoll_ms));
@@ -46,7 +55,7 @@ struct Transport::Impl {
   }
 
   std::string url;
-  lcm::LCM lcm;
+  lcm_t* lcm;
   std::atomic<bool> stopping{false};
   std::atomic<bool> ended{false};
   std::recursive_mutex mutex;  // of the lists, and against owners that leave while a callback runs
@@ -69,7 +78,7 @@ std::string complete_url(const std::string& url) {
 }
 
 Transport::Transport(const std::string& url) : impl_(std::make_unique<Impl>(complete_url(url))) {
-  if (!impl_->lcm.good())
+  if (impl_->lcm == nullptr)
     throw std::runtime_error("cannot open the LCM network " + impl_->url +
                              ": run `fusion-slam doctor`, it says what is wrong and what mends it");
   if (impl_->url.rfind("file://", 0) != 0) start();
@@ -93,7 +102,8 @@ std::shared_ptr<void> Transport::subscribe(const std::string& channel, Receive r
     mine = &impl_->subscriptions.back();
   }
   // No limit on LCM's own queue: the reader's thread empties it at once.
-  impl_->lcm.subscribe(channel, &Subscription::handle, mine)->setQueueCapacity(0);
+  lcm_subscription_set_queue_capacity(lcm_subscribe(impl_->lcm, channel.c_str(), &deliver, mine),
+                                      0);
   return {mine, [impl = impl_.get()](Subscription* gone) {
             const std::lock_guard<std::recursive_mutex> lock(impl->mutex);
             gone->receive = nullptr;
@@ -111,7 +121,7 @@ std::shared_ptr<void> Transport::on_idle(std::function<void()> callback) {
 }
 
 void Transport::publish(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
-  impl_->lcm.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
+  lcm_publish(impl_->lcm, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size()));
 }
 
 const std::string& Transport::url() const { return impl_->url; }
