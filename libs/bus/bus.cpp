@@ -28,7 +28,9 @@ void Bus::subscribe_raw(const std::string& channel, std::uint64_t fingerprint, P
   std::size_t index = 0;
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
-    index = impl_->inbox.add_channel(channel, policy, type->continues_with_seq);
+    // Several people may send commands, each numbering its own.
+    const bool numbered = type->continues_with_seq && channel != "COMMAND";
+    index = impl_->inbox.add_channel(channel, policy, numbered);
     impl_->handlers.push_back({type, std::move(decode)});
   }
   impl_->tokens.push_back(impl_->transport->subscribe(

@@ -67,9 +67,14 @@ bool Inbox::push(InboxItem item) {
     channel.queue.pop_front();
     ++counters.dropped;
   }
-  // A re-sent message goes back to its place.
+  // A re-sent message goes back to its place; without a number of its own its time tells where that
+  // is.
+  const bool by_time = !channel.has_seq && mode_ == Mode::kThroughput;
+  const auto behind = [&](const InboxItem& other) {
+    return by_time ? other.utime_us > item.utime_us : other.seq > item.seq;
+  };
   auto place = channel.queue.end();
-  while (place != channel.queue.begin() && std::prev(place)->seq > item.seq) --place;
+  while (place != channel.queue.begin() && behind(*std::prev(place))) --place;
   channel.queue.insert(place, std::move(item));
   return true;
 }
@@ -83,10 +88,18 @@ bool Inbox::may_go(const InboxItem& item, std::int64_t now_us) const {
   return true;
 }
 
+// Throughput: something older of this channel is on its way again.
+bool Inbox::waits_for_repair(const Channel& channel) const {
+  if (mode_ != Mode::kThroughput) return false;
+  if (!channel.has_seq) return channel.lacks && channel.counters.received < channel.expected;
+  const auto lowest = channel.sequence.missing(INT64_MAX, 0, 1);
+  return !lowest.empty() && lowest.front() < channel.queue.front().seq;
+}
+
 std::optional<InboxItem> Inbox::pop(std::int64_t now_us) {
   Channel* best = nullptr;
   for (Channel& channel : channels_) {
-    if (channel.queue.empty()) continue;
+    if (channel.queue.empty() || waits_for_repair(channel)) continue;
     if (best == nullptr || channel.queue.front().utime_us < best->queue.front().utime_us)
       best = &channel;
   }

@@ -12,6 +12,7 @@
 
 #include <fcntl.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,7 +21,8 @@ namespace {
 
 constexpr int kCouldNotStart = 127;
 
-[[noreturn]] void become(const std::vector<std::string>& argv, int output, pid_t parent) {
+// In the child of a threaded parent: nothing here may allocate before exec.
+[[noreturn]] void become(char* const* argv, int output, pid_t parent, int niceness) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(kCouldNotStart);  // it died before we asked
   setpgid(0, 0);
@@ -28,26 +30,29 @@ constexpr int kCouldNotStart = 127;
   dup2(output, STDERR_FILENO);
   const int null = open("/dev/null", O_RDONLY);
   if (null >= 0) dup2(null, STDIN_FILENO);
-  std::vector<char*> raw;
-  raw.reserve(argv.size() + 1);
-  for (const std::string& argument : argv) raw.push_back(const_cast<char*>(argument.c_str()));
-  raw.push_back(nullptr);
-  execvp(raw[0], raw.data());
-  const std::string message = "cannot start " + argv[0] + ": " + std::strerror(errno) + "\n";
-  if (write(STDERR_FILENO, message.data(), message.size()) < 0) _exit(kCouldNotStart);
+  if (niceness > 0) setpriority(PRIO_PROCESS, 0, niceness);
+  execvp(argv[0], argv);
+  const char* reason = std::strerror(errno);
+  for (const char* part : {"cannot start ", static_cast<const char*>(argv[0]), ": ", reason, "\n"})
+    if (write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
   _exit(kCouldNotStart);
 }
 
 }  // namespace
 
-Child::Child(std::string name, const std::vector<std::string>& argv, std::filesystem::path log_file)
+Child::Child(std::string name, const std::vector<std::string>& argv, std::filesystem::path log_file,
+             int niceness)
     : name_(std::move(name)), log_file_(std::move(log_file)) {
   const int output = open(log_file_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (output < 0)
     throw std::runtime_error("cannot write " + log_file_.string() + ": " + std::strerror(errno));
+  std::vector<char*> raw;
+  raw.reserve(argv.size() + 1);
+  for (const std::string& argument : argv) raw.push_back(const_cast<char*>(argument.c_str()));
+  raw.push_back(nullptr);
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ == 0) become(argv, output, parent);
+  if (pid_ == 0) become(raw.data(), output, parent, niceness);
   const int reason = errno;
   close(output);
   if (pid_ < 0) throw std::runtime_error("cannot start " + name_ + ": " + std::strerror(reason));

@@ -12,11 +12,13 @@ namespace fusion_slam {
 
 class Child {
  public:
+  // niceness > 0: gives way to others when the processors are busy (nice(2)).
   // Starts argv[0] (a path) with stdout and stderr appended to log_file. The child is in its own
   // process group (a Ctrl-C at the terminal reaches only us) and gets SIGKILL when the calling
   // thread's process ends in any way. Throws std::runtime_error naming the program when it can't be
   // started.
-  Child(std::string name, const std::vector<std::string>& argv, std::filesystem::path log_file);
+  Child(std::string name, const std::vector<std::string>& argv, std::filesystem::path log_file,
+        int niceness = 0);
   Child(Child&& other) noexcept;
   Child& operator=(Child&&) = delete;
   Child(const Child&) = delete;

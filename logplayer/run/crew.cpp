@@ -11,6 +11,9 @@ namespace {
 // lcm-logger keeps this much in memory when the disk is slow, before it drops (its default is 100
 // MB).
 constexpr const char* kLoggerMemory = "--max-unwritten-mb=2000";
+// lcm-logger can't ask again for what it lost: when the processors are busy, the services give way
+// to it.
+constexpr int kServiceNiceness = 5;
 
 }  // namespace
 
@@ -32,7 +35,7 @@ Crew::Crew(const RunOptions& options, const std::string& url) {
     services_.emplace_back(name,
                            std::vector<std::string>{(options.programs / name).string(), "--lcm-url",
                                                     url, "--mode", to_string(options.mode)},
-                           log_file(name));
+                           log_file(name), kServiceNiceness);
 }
 
 void Crew::check() {

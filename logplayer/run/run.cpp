@@ -37,6 +37,17 @@ struct Outcome {
   double wall_s = 0.0;
 };
 
+// Its file begins with the STATUS messages of the services: then it hears everything.
+void wait_for_logger(const RunOptions& options) {
+  const auto deadline = Clock::now() + std::chrono::seconds(5);
+  std::error_code ignored;
+  while (options.keep_session && Clock::now() < deadline && interrupts() == 0) {
+    const auto size_bytes = std::filesystem::file_size(options.out / "session.lcmlog", ignored);
+    if (!ignored && size_bytes > 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
 // The listener is another process to the others: give it the time to hear what was said last.
 bool wait_for_listener(const Listener& listener, const Conductor& conductor) {
   const auto deadline = Clock::now() + std::chrono::seconds(20);
@@ -65,6 +76,7 @@ Outcome replay(const RunOptions& options, const std::string& url) {
   const auto started = Clock::now();
   try {
     conductor.wait_for_processes(kStart_s);
+    wait_for_logger(options);
     tolerated = 1;  // the first Ctrl-C ends the playback, the second ends the waiting
     Progress progress;
     play_log(

@@ -41,9 +41,9 @@ TEST(BusMemq, MessagesArriveInOrderWithNumbers) {
   Bus sender(named("sender"), transport);
   Bus receiver(named("receiver"), transport);
   std::vector<std::int64_t> seqs;
-  receiver.subscribe<command_t>("COMMAND", Policy::kKeepAll,
+  receiver.subscribe<command_t>("NUMBERED", Policy::kKeepAll,
                                 [&](const command_t& m) { seqs.push_back(m.seq); });
-  for (int i = 1; i <= 100; ++i) sender.publish("COMMAND", command("go", i));
+  for (int i = 1; i <= 100; ++i) sender.publish("NUMBERED", command("go", i));
   EXPECT_TRUE(soon([&] {
     while (receiver.handle(10)) {
     }
@@ -51,8 +51,8 @@ TEST(BusMemq, MessagesArriveInOrderWithNumbers) {
   }));
   for (std::size_t i = 0; i < seqs.size(); ++i)
     EXPECT_EQ(seqs[i], static_cast<std::int64_t>(i + 1));
-  EXPECT_EQ(receiver.processed().at("COMMAND"), 100);
-  EXPECT_EQ(sender.published().at("COMMAND"), 100);
+  EXPECT_EQ(receiver.processed().at("NUMBERED"), 100);
+  EXPECT_EQ(sender.published().at("NUMBERED"), 100);
 }
 
 TEST(BusMemq, AMessageThatLiesAboutItsLengthIsRejectedAndCounted) {
@@ -115,11 +115,11 @@ TEST(BusMemq, APublisherThatStartsAgainIsHeard) {
   auto transport = std::make_shared<Transport>("memq://");
   Bus receiver(named("receiver"), transport);
   std::vector<std::int64_t> utimes;
-  receiver.subscribe<command_t>("COMMAND", Policy::kKeepAll,
+  receiver.subscribe<command_t>("NUMBERED", Policy::kKeepAll,
                                 [&](const command_t& m) { utimes.push_back(m.utime); });
   for (int life = 0; life < 3; ++life) {
     Bus sender(named("sender"), transport);
-    for (int i = 1; i <= 5; ++i) sender.publish("COMMAND", command("go", 10 * life + i));
+    for (int i = 1; i <= 5; ++i) sender.publish("NUMBERED", command("go", 10 * life + i));
     EXPECT_TRUE(soon([&] {
       receiver.handle(10);
       return utimes.size() == 5U * (life + 1U);
@@ -132,18 +132,18 @@ TEST(BusMemq, LostMessagesAreAskedForAndCome) {
   auto elsewhere = std::make_shared<Transport>("memq://");  // a network the receiver doesn't hear
   Bus receiver(named("receiver", Mode::kThroughput), transport);
   std::vector<std::int64_t> seqs;
-  receiver.subscribe<command_t>("COMMAND", Policy::kKeepAll,
+  receiver.subscribe<command_t>("NUMBERED", Policy::kKeepAll,
                                 [&](const command_t& m) { seqs.push_back(m.seq); });
   Bus sender(named("sender"), transport);
-  for (int i = 1; i <= 5; ++i) sender.publish("COMMAND", command("go", i));
+  for (int i = 1; i <= 5; ++i) sender.publish("NUMBERED", command("go", i));
   ASSERT_TRUE(soon([&] { return receiver.handle(10), seqs.size() == 5; }));
   // A second receiver hears of number 5 only through what the sender publishes next: it asks for 1
   // to 5.
   Bus late(named("late", Mode::kThroughput), transport);
   std::vector<std::int64_t> late_seqs;
-  late.subscribe<command_t>("COMMAND", Policy::kKeepAll,
+  late.subscribe<command_t>("NUMBERED", Policy::kKeepAll,
                             [&](const command_t& m) { late_seqs.push_back(m.seq); });
-  sender.publish("COMMAND", command("go", 6));
+  sender.publish("NUMBERED", command("go", 6));
   EXPECT_TRUE(soon([&] { return late.handle(10), late_seqs.size() == 6; })) << late_seqs.size();
 }
 
@@ -206,6 +206,20 @@ TEST(BusMemq, LockstepHandlesWhatStepSaysAndSaysSo) {
   worker.stop();
   loop.join();
   EXPECT_EQ(utimes, (std::vector<std::int64_t>{1, 2, 3}));
+}
+
+TEST(BusMemq, CommandsOfTwoSendersAllArrive) {
+  auto transport = std::make_shared<Transport>("memq://");
+  Bus one(named("one"), transport);
+  Bus two(named("two"), transport);
+  Bus receiver(named("receiver"), transport);
+  int handled = 0;
+  receiver.subscribe<command_t>("COMMAND", Policy::kKeepAll, [&](const command_t&) { ++handled; });
+  for (int i = 1; i <= 3; ++i) {
+    one.publish("COMMAND", command("finish", i));
+    two.publish("COMMAND", command("reset", i));
+  }
+  EXPECT_TRUE(soon([&] { return receiver.handle(10), handled == 6; })) << handled;
 }
 
 }  // namespace

@@ -138,5 +138,25 @@ TEST(Inbox, AForgedCountIsAnsweredAtOnce) {
   EXPECT_EQ(inbox.missing(camera, 100, 50, 10).size(), 10U);
 }
 
+TEST(Inbox, ThroughputWaitsForTheRepairOfAGap) {
+  Inbox inbox(Mode::kThroughput, 10, 0);
+  const auto tiles = inbox.add_channel("TILES", Policy::kKeepAll, true);
+  const auto camera = inbox.add_channel("CAMERA", Policy::kKeepAll, false);
+  inbox.push(item(tiles, 30, 3));
+  EXPECT_FALSE(inbox.pop(1)) << "1 and 2 are missing";
+  inbox.push(item(tiles, 10, 1));
+  EXPECT_EQ(inbox.pop(1)->seq, 1);
+  EXPECT_FALSE(inbox.pop(1));
+  inbox.push(item(tiles, 20, 2));
+  EXPECT_EQ(inbox.pop(1)->seq, 2);
+  EXPECT_EQ(inbox.pop(1)->seq, 3);
+  inbox.push(item(camera, 50, 0));
+  inbox.expect("CAMERA", 2, 1);
+  EXPECT_FALSE(inbox.pop(1)) << "two were sent, the one that came may be the newer";
+  inbox.push(item(camera, 40, 0));
+  EXPECT_EQ(inbox.pop(1)->utime_us, 40);
+  EXPECT_EQ(inbox.pop(1)->utime_us, 50);
+}
+
 }  // namespace
 }  // namespace fusion_slam
