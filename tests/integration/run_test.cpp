@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "libs/eventlog/reader.hpp"
 #include "libs/eventlog/writer.hpp"
@@ -182,6 +183,29 @@ TEST(Run, AForeignFileIsNamed) {
   Child run = start_run(FS_SOURCE_DIR "/README.md", out);
   EXPECT_EQ(finish(run), "exit code 1");
   EXPECT_NE(run.last_lines(50).find("README.md"), std::string::npos) << run.last_lines(50);
+}
+
+TEST(Run, ALossyNetworkCostsTimeButNoMessage) {
+  if (geteuid() != 0) GTEST_SKIP() << "skipped: unshare needs root";
+  const fs::path out = folder("lossy");
+  fs::remove_all(out);
+  fs::create_directories(out);
+  // A receive buffer that holds no burst: the kernel drops most of a camera frame's fragments at
+  // first.
+  const std::string command =
+      "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && "
+      "exec " +
+      (kPrograms / "run").string() + " " + recording().string() + " --out " + out.string() +
+      " --mode throughput --max-events 250 --lcm-url "
+      "'udpm://239.255.76.67:7667?ttl=0&recv_buf_size=30000'";
+  Child run("run", {"unshare", "--net", "sh", "-c", command}, out / "run.log");
+  ASSERT_EQ(finish(run), "exit code 0") << run.last_lines(30);
+  const auto m = metrics(out);
+  EXPECT_TRUE(m["complete"]) << m;
+  EXPECT_EQ(m["dropped_total"], 0);
+  EXPECT_EQ(m["lost_total"], 0);
+  EXPECT_EQ(m["channels"]["VISUAL_POSE"], m["channels"]["CAMERA"]);
+  EXPECT_GE(m["coverage_percent"].get<double>(), 98.0);
 }
 
 }  // namespace
