@@ -50,6 +50,8 @@ void play_log(const std::filesystem::path& log, std::int64_t most_events, Conduc
     progress.show(done, 1e-6 * static_cast<double>(result->last_utime_us - result->first_utime_us),
                   conductor.peers());
   }
+  progress.show(1.0, 1e-6 * static_cast<double>(result->last_utime_us - result->first_utime_us),
+                conductor.peers(), true);
   if (reader.damage()) result->damage = reader.damage()->message;
   if (n == 0 && result->damage.empty())
     result->damage = log.string() +

@@ -21,13 +21,13 @@ std::string bar(double fraction) {
 Progress::Progress()
     : terminal_(isatty(STDERR_FILENO) != 0), started_(Clock::now()), last_(started_) {}
 
-void Progress::show(double fraction, double log_s,
-                    const std::map<std::string, status_t>& processes) {
+void Progress::show(double fraction, double log_s, const std::map<std::string, status_t>& processes,
+                    bool last) {
   const auto now = Clock::now();
   const double wall_s = std::chrono::duration<double>(now - started_).count();
   const auto period =
       terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10'000);
-  if (now - last_ < period) return;
+  if (!last && now - last_ < period) return;
   last_ = now;
   if (terminal_ && lines_drawn_ > 0) std::fprintf(stderr, "\x1b[%zuA", lines_drawn_);
   std::fprintf(stderr, "%s %5.1f %%  log %.1f s  wall %.1f s  %.1fx%s\n", bar(fraction).c_str(),

@@ -14,8 +14,9 @@ class Progress {
  public:
   Progress();
 
-  // Redraws at most 5 times a second on a terminal, else prints a line every 10 s.
-  void show(double fraction, double log_s, const std::map<std::string, status_t>& processes);
+  // Redraws at most 5 times a second on a terminal, else prints a line every 10 s; `last` always.
+  void show(double fraction, double log_s, const std::map<std::string, status_t>& processes,
+            bool last = false);
   void finish();  // leaves the cursor below
 
  private:
