@@ -6,12 +6,15 @@
 namespace fusion_slam {
 namespace {
 
+// Further out nothing drives; a number that large would be damage, and products of it not finite.
+constexpr double kMaxPositionM = 1e9;
+
 std::optional<SE3> pose_from(const double* position, const double* wxyz) {
   double norm = 0.0;
   for (int i = 0; i < 4; ++i) norm += wxyz[i] * wxyz[i];
   if (!std::isfinite(norm) || norm < 0.5 || norm > 2.0) return std::nullopt;
   const Eigen::Vector3d p(position[0], position[1], position[2]);
-  if (!p.allFinite()) return std::nullopt;
+  if (!(p.cwiseAbs().maxCoeff() <= kMaxPositionM) || !p.allFinite()) return std::nullopt;
   return make_pose(p, wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
 }
 

@@ -1,5 +1,6 @@
 // Between the wire's types and the project's own. Pure functions; from_message never trusts what it
-// reads: a quaternion that is not a rotation or a number that is not finite gives nothing.
+// reads: a quaternion that is not a rotation, a number that is not finite or a position beyond 1e9
+// m gives nothing.
 #pragma once
 
 #include <optional>

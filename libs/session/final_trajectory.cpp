@@ -5,7 +5,7 @@
 namespace fusion_slam {
 namespace {
 
-constexpr std::int64_t kMaxBridgeUs = 500'000;
+constexpr std::uint64_t kMaxBridgeUs = 500'000;
 
 std::optional<SE3> in_map(const TrackedSession& session, const TrackedPose& pose) {
   const auto node = session.T_map_nodes.find(pose.reference);
@@ -27,10 +27,13 @@ std::optional<SE3> between(const std::map<std::int64_t, SE3>& scans, std::int64_
   if (after->first == utime_us) return after->second;
   if (after == scans.begin()) return std::nullopt;
   const auto before = std::prev(after);
-  const std::int64_t gap_us = after->first - before->first;
+  // Unsigned: times of hostile messages may be further apart than an int64 can say.
+  const std::uint64_t start_us = static_cast<std::uint64_t>(before->first);
+  const std::uint64_t gap_us = static_cast<std::uint64_t>(after->first) - start_us;
   if (gap_us > kMaxBridgeUs) return std::nullopt;
+  const std::uint64_t since_us = static_cast<std::uint64_t>(utime_us) - start_us;
   return interpolate(before->second, after->second,
-                     static_cast<double>(utime_us - before->first) / static_cast<double>(gap_us));
+                     static_cast<double>(since_us) / static_cast<double>(gap_us));
 }
 
 }  // namespace

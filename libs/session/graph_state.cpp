@@ -17,9 +17,10 @@ void GraphState::add(const graph_t& message) {
   for (const graph_node_t& node : message.nodes) {
     const auto T_map_base = from_message(node.T_map_base);
     if (!T_map_base || node.id <= 0) continue;
-    Node& held = nodes_[{static_cast<NodeKind>(node.kind), node.id}];
-    if (message.revision < held.revision) continue;
-    held = {message.revision, *T_map_base};
+    const Node newer{message.revision, *T_map_base};
+    const auto [held, made] =
+        nodes_.try_emplace({static_cast<NodeKind>(node.kind), node.id}, newer);
+    if (!made && message.revision >= held->second.revision) held->second = newer;
   }
 }
 

@@ -1,9 +1,22 @@
 #include "libs/session/session_collector.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 
 namespace fusion_slam {
+namespace {
+
+// Counters are what other processes say: the sum stops at the largest number instead of wrapping,
+// and a negative count is none.
+std::int64_t add_count(std::int64_t total, std::int64_t count) {
+  const std::int64_t room = std::numeric_limits<std::int64_t>::max() - total;
+  return total + std::clamp<std::int64_t>(count, 0, room);
+}
+
+}  // namespace
 
 void SessionCollector::on_robot_model(const robot_model_t& message) {
   std::string why;
@@ -89,14 +102,15 @@ void SessionCollector::on_status(const status_t& message) {
 std::int64_t SessionCollector::dropped_total() const {
   std::int64_t total = 0;
   for (const auto& [process, status] : statuses_)
-    for (const channel_stats_t& channel : status.channels) total += channel.dropped;
+    for (const channel_stats_t& channel : status.channels)
+      total = add_count(total, channel.dropped);
   return total;
 }
 
 std::int64_t SessionCollector::lost_total() const {
   std::int64_t total = 0;
   for (const auto& [process, status] : statuses_)
-    for (const channel_stats_t& channel : status.channels) total += channel.lost;
+    for (const channel_stats_t& channel : status.channels) total = add_count(total, channel.lost);
   return total;
 }
 

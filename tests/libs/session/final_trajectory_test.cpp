@@ -1,5 +1,7 @@
 #include "libs/session/final_trajectory.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 namespace fusion_slam {
@@ -46,6 +48,20 @@ TEST(FinalTrajectory, WithoutACameraItIsTheScans) {
   const auto poses = final_trajectory(session);
   ASSERT_EQ(poses.size(), 1U);
   EXPECT_FALSE(poses[0].bridged);
+}
+
+TEST(FinalTrajectory, TimesAsFarApartAsTheyCanBe) {
+  constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  TrackedSession session;
+  session.T_map_nodes[lidar(1)] = at_x(0.0);
+  session.lidar[kFirst] = {false, lidar(1), at_x(1.0)};
+  session.lidar[kLast - 100] = {false, lidar(1), at_x(2.0)};
+  session.lidar[kLast] = {false, lidar(1), at_x(3.0)};
+  session.camera_utimes_us = {0, kLast - 50};
+  const auto poses = final_trajectory(session);
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_NEAR(poses[0].T_map_base.translation().x(), 2.5, 1e-12);
 }
 
 }  // namespace

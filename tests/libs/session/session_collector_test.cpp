@@ -186,5 +186,41 @@ TEST(SessionCollector, CountsDroppedAndLostOfTheNewestStatus) {
   EXPECT_EQ(session.lost_total(), 2);
 }
 
+TEST(SessionCollector, CountersThatCannotBeDoNotWrap) {
+  SessionCollector session;
+  channel_stats_t huge{};
+  huge.dropped = std::numeric_limits<std::int64_t>::max();
+  huge.lost = std::numeric_limits<std::int64_t>::min();
+  status_t status{};
+  status.channels = {huge, huge};
+  status.n_channels = 2;
+  session.on_status(status);
+  EXPECT_EQ(session.dropped_total(), std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(session.lost_total(), 0);
+}
+
+TEST(SessionCollector, PosesBeyondAnyMapAreDamage) {
+  SessionCollector session;
+  session.on_graph(graph(-1, 1, at_x(1e300)));
+  session.on_pose(pose(kStartUs, 1, at_x(1e300)));
+  session.on_visual_pose(pose(kStartUs, 1, at_x(0.0)));
+  const SessionResult result = session.write(scratch());
+  EXPECT_EQ(result.damaged_messages, 1U);
+  EXPECT_EQ(result.trajectory_poses, 0U);
+  EXPECT_EQ(result.live_poses, 0U);
+}
+
+TEST(SessionCollector, NodeOfANegativeRevisionIsWhereItWasSaidToBe) {
+  SessionCollector session;
+  session.on_graph(graph(-1, 1, at_x(2.0)));
+  session.on_graph(graph(-2, 1, at_x(3.0)));
+  session.on_visual_pose(pose(kStartUs, 1, at_x(0.0)));
+  session.on_visual_pose(pose(kStartUs + 1, 1, at_x(1.0)));
+  const auto directory = scratch();
+  EXPECT_EQ(session.write(directory).trajectory_poses, 2U);
+  EXPECT_NE(read_bytes(directory / "trajectory.tum").find(" 2.000000000 0.000000000"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace fusion_slam
