@@ -25,6 +25,7 @@ constexpr int kMaxCellPixels = 8;   // a cell is a square of at most this
 constexpr int kMargin = 24;
 constexpr int kLegendHeight = 84;
 constexpr int kMinWidth = 900;  // the legend's
+constexpr int kMaxSide = 8192;  // cells of a picture, with the way: 200 MB before compression
 
 cv::Scalar scalar(const cv::Vec3b& c) { return {double(c[0]), double(c[1]), double(c[2])}; }
 
@@ -35,6 +36,7 @@ struct Canvas {
   int right = 0;
   int below = 0;
   int above = 0;
+  int longer = 0;  // side of all that, cells
   int cell_pixels = 1;
 
   Canvas(const MapRaster& raster, const std::vector<Eigen::Vector2d>& way_m) {
@@ -51,7 +53,7 @@ struct Canvas {
       below = std::max(below, cells(raster.origin_y_m - p.y()));
       above = std::max(above, cells(p.y() - top_m));
     }
-    const int longer = std::max(left + raster.width + right, below + raster.height + above);
+    longer = std::max(left + raster.width + right, below + raster.height + above);
     cell_pixels = std::clamp((kMinPixels + longer - 1) / longer, 1, kMaxCellPixels);
   }
 };
@@ -73,6 +75,34 @@ cv::Vec3b colour(std::uint8_t cell, std::uint8_t provenance, bool by_sensor) {
       break;
   }
   return kBlack;
+}
+
+// What of two cells is drawn where there is room for one.
+int importance(std::uint8_t cell) {
+  const CellState state = cell_state(cell);
+  return state == CellState::kOccupied ? 2 : (state == CellState::kFree ? 1 : 0);
+}
+
+// k x k cells as one.
+MapRaster coarser(const MapRaster& raster, int k) {
+  MapRaster coarse;
+  coarse.resolution_m = raster.resolution_m * k;
+  coarse.origin_x_m = raster.origin_x_m;
+  coarse.origin_y_m = raster.origin_y_m;
+  coarse.width = (raster.width - 1) / k + 1;
+  coarse.height = (raster.height - 1) / k + 1;
+  coarse.probability.assign(coarse.index(0, coarse.height), kUnknownCell);
+  coarse.provenance.assign(coarse.probability.size(), 0);
+  for (int row = 0; row < raster.height; ++row) {
+    for (int column = 0; column < raster.width; ++column) {
+      const std::size_t from = raster.index(column, row);
+      const std::size_t to = coarse.index(column / k, row / k);
+      if (importance(raster.probability[from]) <= importance(coarse.probability[to])) continue;
+      coarse.probability[to] = raster.probability[from];
+      coarse.provenance[to] = raster.provenance[from];
+    }
+  }
+  return coarse;
 }
 
 bool holds_both_sensors(const MapRaster& raster) {
@@ -158,6 +188,8 @@ void draw_legend(cv::Mat& picture, int top, double metres_per_pixel, bool by_sen
 
 std::string map_png_bytes(const MapRaster& raster, const std::vector<Eigen::Vector2d>& way_m) {
   const Canvas canvas(raster, way_m);
+  if (canvas.longer > kMaxSide)
+    return map_png_bytes(coarser(raster, (canvas.longer - 1) / kMaxSide + 1), way_m);
   const int s = canvas.cell_pixels;
   const int map_width = (canvas.left + raster.width + canvas.right) * s;
   const int map_height = (canvas.above + raster.height + canvas.below) * s;

@@ -6,7 +6,7 @@
 namespace fusion_slam {
 namespace {
 
-constexpr std::int64_t kMaxCells = std::int64_t{1} << 28;
+constexpr std::int64_t kMaxCells = std::int64_t{1} << 27;
 
 struct Bounds {  // inclusive, in cells
   std::int64_t min_x = std::numeric_limits<std::int64_t>::max();

@@ -39,7 +39,7 @@ struct MapRaster {
 };
 
 // The smallest raster that holds every known cell. Nothing, with the reason in `why`, when no cell
-// is known or the map would be larger than 2^28 cells (a damaged tile index).
+// is known or the map would be larger than 2^27 cells (a damaged tile index).
 std::optional<MapRaster> make_raster(const std::map<TileIndex, FusedCells>& tiles,
                                      double resolution_m, std::string* why);
 

@@ -5,6 +5,23 @@
 #include <octomap/octomap.h>
 
 namespace fusion_slam {
+namespace {
+
+// OctoMap counts voxels from 32768 below the origin, in 16 bits. In integers, because a coordinate
+// of a damaged tile index would not fit OctoMap's own conversion.
+std::optional<octomap::OcTreeKey> octree_key(const TileKey& tile, const OctomapVoxel& voxel) {
+  const std::int64_t indices[] = {std::int64_t{tile.x} * kOctomapTileVoxels + voxel.x,
+                                  std::int64_t{tile.y} * kOctomapTileVoxels + voxel.y,
+                                  std::int64_t{tile.z} * kOctomapTileVoxels + voxel.z};
+  octomap::OcTreeKey key;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    if (indices[axis] < -32768 || indices[axis] > 32767) return std::nullopt;
+    key[axis] = static_cast<octomap::key_type>(indices[axis] + 32768);
+  }
+  return key;
+}
+
+}  // namespace
 
 std::optional<std::string> octomap_bt_bytes(const std::map<TileKey, Tile>& tiles,
                                             std::string* why) {
@@ -16,10 +33,7 @@ std::optional<std::string> octomap_bt_bytes(const std::map<TileKey, Tile>& tiles
     const auto voxels = decode_octomap_tile(tile);
     if (!voxels) continue;
     for (const OctomapVoxel& voxel : *voxels) {
-      const Eigen::Vector3d p = voxel_centre_m(tile, voxel);
-      octomap::OcTreeKey at;
-      if (tree->coordToKeyChecked(p.x(), p.y(), p.z(), at))
-        tree->setNodeValue(at, voxel.log_odds, true);
+      if (const auto at = octree_key(key, voxel)) tree->setNodeValue(*at, voxel.log_odds, true);
     }
   }
   if (!tree || tree->size() == 0) return *why = "no voxel of the map is known", std::nullopt;

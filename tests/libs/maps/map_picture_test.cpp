@@ -70,5 +70,14 @@ TEST(MapPicture, TheWayIsOnItEvenOutsideTheKnownCells) {
 
 TEST(MapPicture, OneCellIsEnough) { EXPECT_FALSE(decode(map_png_bytes(room(1, 1), {})).empty()); }
 
+TEST(MapPicture, AMapTooLargeToDrawCellByCellIsDrawnCoarser) {
+  MapRaster raster = room(3'000'000, 2);  // 150 km: no PNG is that wide
+  raster.probability[raster.index(0, 1)] = kUnknownCell;
+  const cv::Mat picture = decode(map_png_bytes(raster, {{1.0, 0.05}, {-1e5, 1e5}}));
+  ASSERT_FALSE(picture.empty());
+  EXPECT_LE(std::max(picture.cols, picture.rows), 8192 + 132);
+  EXPECT_GT(count(picture, cv::Vec3b(0, 0, 0)), 2000);  // the wall outweighs the free cells above
+}
+
 }  // namespace
 }  // namespace fusion_slam

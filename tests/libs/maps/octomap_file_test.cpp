@@ -1,5 +1,6 @@
 #include "libs/maps/octomap_file.hpp"
 
+#include <limits>
 #include <random>
 #include <sstream>
 
@@ -59,6 +60,24 @@ TEST(OctomapFile, NothingKnownHasAReason) {
   damaged.encoding = TileEncoding::kOctomap;
   damaged.data = {1, 2, 3};
   EXPECT_FALSE(octomap_bt_bytes({{TileKey{}, damaged}}, &why));
+}
+
+TEST(OctomapFile, KeepsItsKeyRangeToTheLastVoxel) {
+  VoxelCells cells;
+  cells.fill(kUnknownVoxel);
+  cells[0] = 60;
+  std::map<TileKey, Tile> tiles;
+  for (const int x : {-1024, 1023, -1025, 1024, std::numeric_limits<int>::min()}) {
+    const TileKey key{0, x, 0, 0};
+    tiles[key] = encode_octomap_tile(key, cells, 0.05, 1, 0);
+  }
+  std::string why;
+  const auto bytes = octomap_bt_bytes(tiles, &why);
+  ASSERT_TRUE(bytes) << why;
+  octomap::OcTree tree(1.0);
+  std::istringstream in(*bytes);
+  ASSERT_TRUE(tree.readBinary(in));
+  EXPECT_EQ(tree.getNumLeafNodes(), 2U);  // the first and the last are in range
 }
 
 }  // namespace
