@@ -43,7 +43,8 @@ std::optional<SE3> read_matrix(const std::filesystem::path& path, std::string* w
     m(i / 4, i % 4) = *value;
   }
   const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
-  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 0.01 || R.determinant() < 0.0)
+  const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
+  if (!(error <= 0.01) || !(R.determinant() > 0.0))  // also when they overflow to NaN
     return *why = "pose is not a rigid motion", std::nullopt;
   SE3 T = SE3::Identity();
   T.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();

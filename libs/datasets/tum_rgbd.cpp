@@ -45,6 +45,12 @@ ImageList read_list(const std::filesystem::path& path, Skipped* skipped) {
   return list;
 }
 
+// Also false for a name that no file can have (too long, say).
+bool is_there(const std::filesystem::path& file) {
+  std::error_code ignored;
+  return std::filesystem::exists(file, ignored);
+}
+
 struct Pair {
   std::int64_t difference_us;
   std::size_t colour;
@@ -125,7 +131,7 @@ RgbdDataset open_tum_rgbd(const std::filesystem::path& directory) {
     const RgbdEntry entry{c.utime_us, d.utime_us, directory / c.file, directory / d.file};
     if (!dataset.entries.empty() && entry.utime_us <= dataset.entries.back().utime_us)
       dataset.skipped.add(0, "rgb.txt: two images of one time");
-    else if (!std::filesystem::exists(entry.colour) || !std::filesystem::exists(entry.depth))
+    else if (!is_there(entry.colour) || !is_there(entry.depth))
       dataset.skipped.add(0, "image that is listed but not there");
     else
       dataset.entries.push_back(entry);

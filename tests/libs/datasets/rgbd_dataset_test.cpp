@@ -112,5 +112,24 @@ TEST_F(RgbdDatasetTest, ForeignDirectoriesAreNamed) {
   EXPECT_THROW(open_tum_rgbd(root_ / "none"), DatasetError);
 }
 
+TEST_F(RgbdDatasetTest, TumNameThatNoFileCanHaveIsSkipped) {
+  colour("a.png");
+  depth("b.png", 5000);
+  text("rgb.txt", "1.0 " + std::string(300, 'x') + "\n2.0 a.png\n");
+  text("depth.txt", "1.0 b.png\n2.0 b.png\n");
+  const RgbdDataset d = open_tum_rgbd(root_);
+  EXPECT_EQ(d.entries.size(), 1u);
+  EXPECT_EQ(d.skipped.reasons().at("image that is listed but not there").count, 1);
+}
+
+TEST_F(RgbdDatasetTest, SevenScenesPoseThatOverflowsIsNone) {
+  colour("frame-000000.color.png");
+  depth("frame-000000.depth.png", 1);
+  text("frame-000000.pose.txt", "1e200 -1e200 0 0\n1e200 1e200 0 0\n0 0 1e200 0\n0 0 0 1\n");
+  const RgbdDataset d = open_seven_scenes(root_);
+  EXPECT_TRUE(d.reference.empty());
+  EXPECT_EQ(d.skipped.reasons().at("pose is not a rigid motion").count, 1);
+}
+
 }  // namespace
 }  // namespace fusion_slam
