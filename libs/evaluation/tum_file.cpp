@@ -67,7 +67,7 @@ void write_tum(std::ostream& out, const Trajectory& trajectory, const std::strin
     q.normalize();
     if (q.w() < 0.0) q.coeffs() *= -1.0;
     const std::array<double, 7> values = {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
-    std::array<char, 64> text{};
+    std::array<char, 352> text{};  // the largest double has 309 digits before the point
     std::snprintf(text.data(), text.size(), "%.6f", without_negative_zero(pose.time_s, 5e-7));
     out << text.data();
     for (const double value : values) {

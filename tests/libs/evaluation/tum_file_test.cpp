@@ -124,5 +124,13 @@ TEST(TumFile, SaysWhenItCannotWrite) {
   EXPECT_THROW(write_tum(std::filesystem::path("/nowhere/at/all.tum"), walk()), FileError);
 }
 
+TEST(TumFile, HugeNumbersAreNotCut) {
+  std::stringstream file;
+  write_tum(file, {{1.0, make_pose({1e300, -1e60, 0.0}, 1.0, 0.0, 0.0, 0.0)}}, "");
+  const TumFile back = read_tum(file, "huge");
+  ASSERT_EQ(back.trajectory.size(), 1U);
+  EXPECT_EQ(back.trajectory[0].T_world_body.translation(), Eigen::Vector3d(1e300, -1e60, 0.0));
+}
+
 }  // namespace
 }  // namespace fusion_slam
