@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kPointBytes = 9;
 constexpr double kUnitsPerEdge = 65536.0;
+constexpr double kMaxResolutionM = 1000.0;  // with any tile index, points stay far inside a float
 
 std::array<std::int32_t, 3> indices(const TileKey& key) { return {key.x, key.y, key.z}; }
 
@@ -59,8 +60,8 @@ Tile encode_cloud_tile(const TileKey& key, const std::vector<ColouredPoint>& poi
 std::optional<std::vector<ColouredPoint>> decode_cloud_tile(const Tile& tile) {
   if (tile.size_cells != kCloudTileVoxels) return std::nullopt;
   if (tile.encoding == TileEncoding::kEmpty) return std::vector<ColouredPoint>{};
-  if (tile.encoding != TileEncoding::kCloud || !std::isfinite(tile.resolution_m))
-    return std::nullopt;
+  if (tile.encoding != TileEncoding::kCloud) return std::nullopt;
+  if (!(tile.resolution_m > 0.0 && tile.resolution_m <= kMaxResolutionM)) return std::nullopt;
   const auto raw =
       inflate_bytes(tile.data.data(), tile.data.size(), kCloudTileMaxPoints * kPointBytes);
   if (!raw || raw->empty() || raw->size() % kPointBytes != 0) return std::nullopt;

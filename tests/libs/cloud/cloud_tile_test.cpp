@@ -86,5 +86,13 @@ TEST(CloudTile, TileOfAPoint) {
   EXPECT_TRUE(key == (TileKey{0, -1, 1, 0}));
 }
 
+TEST(CloudTile, ResolutionThatNoCloudHasIsDamage) {
+  Tile tile = encode_cloud_tile({0, 1, 2, 3}, {point(0.1, 0.2, 0.3)}, kResolution, 1, 1);
+  for (const double resolution_m : {1e300, 0.0, -1.0, static_cast<double>(NAN)}) {
+    tile.resolution_m = resolution_m;
+    EXPECT_FALSE(decode_cloud_tile(tile)) << resolution_m;
+  }
+}
+
 }  // namespace
 }  // namespace fusion_slam
