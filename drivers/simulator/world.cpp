@@ -95,6 +95,13 @@ class Section {
   std::string file_;
 };
 
+// Boxes of a thing from `first` on must have a volume: nothing can be seen of others.
+void require_volume(const Section& s, const YAML::Node& at, const std::string& what,
+                    std::size_t first, const std::vector<Box>& boxes) {
+  for (std::size_t i = first; i < boxes.size(); ++i)
+    if (!(boxes[i].half_m.minCoeff() > 0.0)) s.fail(at, what);
+}
+
 void add_wall(const Section& s, std::uint64_t seed, std::vector<Box>* boxes) {
   const auto from = s.numbers(s.child("from"), "from", 2, 2);
   const auto to = s.numbers(s.child("to"), "to", 2, 2);
@@ -105,6 +112,7 @@ void add_wall(const Section& s, std::uint64_t seed, std::vector<Box>* boxes) {
                            s.number("base_m", -1.0, 20.0, 0.0));
   boxes->push_back(
       standing_box(at, std::atan2(dy, dx), size, s.material(TextureKind::kPlaster, seed)));
+  require_volume(s, s.child("to"), "the wall ends where it begins", boxes->size() - 1, *boxes);
 }
 
 void add_thing(const Section& s, std::uint64_t seed, std::vector<Box>* boxes) {
@@ -120,6 +128,7 @@ void add_thing(const Section& s, std::uint64_t seed, std::vector<Box>* boxes) {
     for (const double length : size)
       if (!(length > 0.0)) s.fail(s.child("size_m"), "'size_m' must be above 0");
   }
+  const std::size_t first = boxes->size();
   if (kind == "desk")
     add_desk(
         foot, yaw,
@@ -132,6 +141,8 @@ void add_thing(const Section& s, std::uint64_t seed, std::vector<Box>* boxes) {
   if (kind == "box")
     boxes->push_back(standing_box(foot, yaw, {size[0], size[1], size[2]},
                                   s.material(TextureKind::kCardboard, seed)));
+  if (!size.empty())
+    require_volume(s, s.child("size_m"), "'size_m' is too small for a " + kind, first, *boxes);
 }
 
 World read_world(const YAML::Node& root, const std::string& file) {

@@ -34,6 +34,10 @@ TEST(World, ErrorsNameFileLineAndKey) {
               HasSubstr("'at' must be a list of 2 or 3 numbers"));
   EXPECT_THAT(error_of(route + "walls:\n  - {from: [0, 0], to: [1, x]}\n"),
               HasSubstr("w.yaml:3: 'to'"));
+  EXPECT_THAT(error_of(route + "walls:\n  - {from: [1, 1], to: [1, 1]}\n"),
+              HasSubstr("w.yaml:3: the wall ends where it begins"));
+  EXPECT_THAT(error_of(route + "things:\n  - {kind: desk, at: [1, 2], size_m: [1, 0.7, 0.02]}\n"),
+              HasSubstr("w.yaml:3: 'size_m' is too small for a desk"));
   EXPECT_THAT(error_of(route + "limits: {speed_m_s: 90}\n"), HasSubstr("'speed_m_s' must be"));
   EXPECT_THAT(error_of("name: x\n"), HasSubstr("'route' needs"));
   EXPECT_THAT(error_of("route: [[0, 0"), HasSubstr("not valid YAML"));
