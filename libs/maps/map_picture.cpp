@@ -59,8 +59,8 @@ struct Canvas {
 };
 
 cv::Vec3b colour(std::uint8_t cell, std::uint8_t provenance, bool by_sensor) {
-  const CellState state = cell_state(cell);
-  if (state == CellState::kFree) return kFreeWhite;
+  const CellState state = state_of_cell(cell);
+  if (state == CellState::kUnoccupied) return kFreeWhite;
   if (state == CellState::kUnknown) return kUnknownGrey;
   if (!by_sensor) return kBlack;
   switch (static_cast<Provenance>(provenance)) {
@@ -79,8 +79,8 @@ cv::Vec3b colour(std::uint8_t cell, std::uint8_t provenance, bool by_sensor) {
 
 // What of two cells is drawn where there is room for one.
 int importance(std::uint8_t cell) {
-  const CellState state = cell_state(cell);
-  return state == CellState::kOccupied ? 2 : (state == CellState::kFree ? 1 : 0);
+  const CellState state = state_of_cell(cell);
+  return state == CellState::kOccupied ? 2 : (state == CellState::kUnoccupied ? 1 : 0);
 }
 
 // k x k cells as one.

@@ -37,13 +37,6 @@ void for_known_cells(const TileIndex& index, const FusedCells& cells, Visit visi
 
 }  // namespace
 
-CellState cell_state(std::uint8_t cell) {
-  if (cell == kUnknownCell) return CellState::kUnknown;
-  const double p = probability_from_cell(cell);
-  if (p > kOccupiedThreshold) return CellState::kOccupied;
-  return p < kFreeThreshold ? CellState::kFree : CellState::kUnknown;
-}
-
 std::optional<MapRaster> make_raster(const std::map<TileIndex, FusedCells>& tiles,
                                      double resolution_m, std::string* why) {
   Bounds bounds;

@@ -8,18 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "libs/grid/cell_state.hpp"
 #include "libs/grid/fused_tile.hpp"
 #include "libs/grid/tiled_grid.hpp"
 
 namespace fusion_slam {
-
-// A cell counts as occupied above, as free below these probabilities; ROS map_server reads the same
-// two from map.yaml.
-constexpr double kOccupiedThreshold = 0.65;
-constexpr double kFreeThreshold = 0.25;
-
-enum class CellState { kUnknown, kFree, kOccupied };
-CellState cell_state(std::uint8_t probability_cell);
 
 // Row 0 is the lowest y, column 0 the lowest x: cell (column, row) covers origin + [column, column
 // + 1) * resolution_m.

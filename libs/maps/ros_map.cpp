@@ -14,7 +14,7 @@ std::string number(double value) {
 }
 
 unsigned char grey(CellState state) {
-  if (state == CellState::kFree) return kPgmFree;
+  if (state == CellState::kUnoccupied) return kPgmFree;
   return state == CellState::kOccupied ? kPgmOccupied : kPgmUnknown;
 }
 
@@ -28,15 +28,15 @@ std::string pgm_bytes(const MapRaster& raster) {
   for (int row = raster.height - 1; row >= 0; --row)
     for (int column = 0; column < raster.width; ++column)
       bytes.push_back(
-          static_cast<char>(grey(cell_state(raster.probability[raster.index(column, row)]))));
+          static_cast<char>(grey(state_of_cell(raster.probability[raster.index(column, row)]))));
   return bytes;
 }
 
 std::string map_yaml(const MapRaster& raster, const std::string& image_name) {
   return "image: " + image_name + "\nmode: trinary\nresolution: " + number(raster.resolution_m) +
          "\norigin: [" + number(raster.origin_x_m) + ", " + number(raster.origin_y_m) +
-         ", 0]\nnegate: 0\noccupied_thresh: " + number(kOccupiedThreshold) +
-         "\nfree_thresh: " + number(kFreeThreshold) + "\n";
+         ", 0]\nnegate: 0\noccupied_thresh: " + number(kOccupiedAbove) +
+         "\nfree_thresh: " + number(kFreeBelow) + "\n";
 }
 
 }  // namespace fusion_slam

@@ -57,8 +57,8 @@ void measure_areas(const MapRaster& raster, SessionResult* result) {
   std::size_t free_cells = 0;
   std::size_t occupied_cells = 0;
   for (const std::uint8_t cell : raster.probability) {
-    const CellState state = cell_state(cell);
-    if (state == CellState::kFree) ++free_cells;
+    const CellState state = state_of_cell(cell);
+    if (state == CellState::kUnoccupied) ++free_cells;
     if (state == CellState::kOccupied) ++occupied_cells;
   }
   const double cell_m2 = raster.resolution_m * raster.resolution_m;

@@ -13,20 +13,20 @@ TEST(MapRaster, HoldsEveryKnownCellAndNoMore) {
   EXPECT_EQ(raster.height, 2);
   EXPECT_DOUBLE_EQ(raster.origin_x_m, -0.1);
   EXPECT_DOUBLE_EQ(raster.origin_y_m, 0.15);
-  EXPECT_EQ(cell_state(raster.probability[raster.index(0, 0)]), CellState::kOccupied);
-  EXPECT_EQ(cell_state(raster.probability[raster.index(2, 0)]), CellState::kFree);
-  EXPECT_EQ(cell_state(raster.probability[raster.index(2, 1)]), CellState::kUnknown);
+  EXPECT_EQ(state_of_cell(raster.probability[raster.index(0, 0)]), CellState::kOccupied);
+  EXPECT_EQ(state_of_cell(raster.probability[raster.index(2, 0)]), CellState::kUnoccupied);
+  EXPECT_EQ(state_of_cell(raster.probability[raster.index(2, 1)]), CellState::kUnknown);
   EXPECT_EQ(raster.provenance[raster.index(1, 1)], 2);
 }
 
 TEST(MapRaster, ThresholdsAreRos) {
-  EXPECT_EQ(cell_state(kUnknownCell), CellState::kUnknown);
+  EXPECT_EQ(state_of_cell(kUnknownCell), CellState::kUnknown);
   for (int cell = 1; cell <= 255; ++cell) {
     const double p = probability_from_cell(static_cast<std::uint8_t>(cell));
     const CellState expected = p > 0.65   ? CellState::kOccupied
-                               : p < 0.25 ? CellState::kFree
+                               : p < 0.25 ? CellState::kUnoccupied
                                           : CellState::kUnknown;
-    EXPECT_EQ(cell_state(static_cast<std::uint8_t>(cell)), expected) << cell;
+    EXPECT_EQ(state_of_cell(static_cast<std::uint8_t>(cell)), expected) << cell;
   }
 }
 

@@ -87,12 +87,12 @@ TEST(RosMap, EveryCellIsFoundWhereMapServerLooksForIt) {
       const int row = pgm.height - 1 - from_bottom;
       const auto pixel = static_cast<unsigned char>(
           pgm.pixels[static_cast<std::size_t>(row * pgm.width + column)]);
-      const CellState state = cell_state(cells.probability[static_cast<std::size_t>(i)]);
+      const CellState state = state_of_cell(cells.probability[static_cast<std::size_t>(i)]);
       // As map_server reads it: by the thresholds in the YAML.
       const double occupied = (255.0 - pixel) / 255.0;
       const CellState read = occupied > std::stod(yaml.at("occupied_thresh")) ? CellState::kOccupied
-                             : occupied < std::stod(yaml.at("free_thresh"))   ? CellState::kFree
-                                                                              : CellState::kUnknown;
+                             : occupied < std::stod(yaml.at("free_thresh")) ? CellState::kUnoccupied
+                                                                            : CellState::kUnknown;
       EXPECT_EQ(read, state) << static_cast<int>(pixel);
     }
   }
