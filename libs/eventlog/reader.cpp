@@ -165,7 +165,8 @@ bool LogReader::sync_at(std::int64_t offset) {
   }
   // Far ahead: not worth moving the buffer there and back.
   std::uint8_t bytes[4];
-  return pread(file_, bytes, sizeof bytes, offset) == sizeof bytes && read_big_endian(bytes, 4) == kLogSync;
+  return pread(file_, bytes, sizeof bytes, offset) == sizeof bytes &&
+         read_big_endian(bytes, 4) == kLogSync;
 }
 
 // First sync word at or behind `from` that ends before `to`; -1: none.

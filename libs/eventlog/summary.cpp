@@ -10,7 +10,8 @@ namespace fusion_slam {
 
 double ChannelSummary::rate_hz() const {
   const double span_us = static_cast<double>(last_log_us) - static_cast<double>(first_log_us);
-  return n_messages < 2 || span_us <= 0.0 ? 0.0 : 1e6 * static_cast<double>(n_messages - 1) / span_us;
+  return n_messages < 2 || span_us <= 0.0 ? 0.0
+                                          : 1e6 * static_cast<double>(n_messages - 1) / span_us;
 }
 
 void LogSummary::add(const LogEvent& event) {
