@@ -89,7 +89,8 @@ CameraRenderer::View CameraRenderer::look(const SE3& T_world_camera) const {
   view.where.assign(boxes.size(), -1);
   view.tiles_across = (camera_.width_px + kTilePx - 1) / kTilePx;
   const int tiles_down = (camera_.height_px + kTilePx - 1) / kTilePx;
-  view.tiles.resize(static_cast<std::size_t>(view.tiles_across * tiles_down));
+  view.tiles.resize(static_cast<std::size_t>(view.tiles_across) *
+                    static_cast<std::size_t>(tiles_down));
   const auto tile_of = [](double px, int n) {
     return static_cast<int>(std::clamp(std::floor((px) / kTilePx), 0.0, n - 1.0));
   };
@@ -100,8 +101,9 @@ CameraRenderer::View CameraRenderer::look(const SE3& T_world_camera) const {
     for (int y = tile_of(r.v_low - 1, tiles_down); y <= tile_of(r.v_high + 1, tiles_down); ++y)
       for (int x = tile_of(r.u_low - 1, view.tiles_across);
            x <= tile_of(r.u_high + 1, view.tiles_across); ++x)
-        view.tiles[static_cast<std::size_t>(y * view.tiles_across + x)].push_back(
-            static_cast<int>(i));
+        view.tiles[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.tiles_across) +
+                   static_cast<std::size_t>(x)]
+            .push_back(static_cast<int>(i));
   }
   return view;
 }
@@ -171,7 +173,8 @@ RenderedFrame CameraRenderer::render(const SE3& T_world_camera) const {
       float unused = 0.0F;
       if (edge)
         for (int k = 0; k < 4; ++k) {
-          const double du = u + (k % 2 - 0.5) / 2, dv = v + (k / 2 - 0.5) / 2;
+          const int row = k / 2;
+          const double du = u + (k % 2 - 0.5) / 2, dv = v + (row - 0.5) / 2;
           add(colour(view, cast(view, tile_of(u, v), du, dv), du, dv, &unused), 0.25F, &sum);
         }
       frame.cosine(v, u) = 0.0F;

@@ -14,8 +14,8 @@ namespace {
 // A map of the file whose every key must be known.
 class Section {
  public:
-  Section(YAML::Node node, std::string file, const std::vector<std::string>& keys)
-      : node_(std::move(node)), file_(std::move(file)) {
+  Section(const YAML::Node& node, std::string file, const std::vector<std::string>& keys)
+      : node_(node), file_(std::move(file)) {
     if (!node_.IsMap()) fail(node_, "expected {key: value, ...}");
     for (const auto& item : node_) {
       const auto key = item.first.IsScalar() ? item.first.Scalar() : std::string("?");
@@ -69,7 +69,7 @@ class Section {
   }
   std::string word(const std::string& key, const std::vector<std::string>& choices) const {
     const YAML::Node at = child(key);
-    const std::string value = at.IsScalar() ? at.Scalar() : "";
+    std::string value = at.IsScalar() ? at.Scalar() : "";
     for (const std::string& c : choices)
       if (c == value) return value;
     fail(at, "'" + key + "' is '" + value + "'; the nearest valid value is '" +

@@ -48,7 +48,8 @@ struct TileReceiver::Shared {
 
 void TilePublisher::publish(const Tile& tile) { bus_.publish_tile(channel_, to_message(tile)); }
 
-TileReceiver::TileReceiver(Bus& bus, std::string channel, std::function<void(const Tile&)> on_tile)
+TileReceiver::TileReceiver(Bus& bus, const std::string& channel,
+                           std::function<void(const Tile&)> on_tile)
     : shared_(std::make_shared<Shared>()), on_tile_(std::move(on_tile)) {
   bus.subscribe<tile_t>(channel, Policy::kKeepAll,
                         [this](const tile_t& message) { receive(message); });

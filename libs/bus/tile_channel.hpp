@@ -30,7 +30,7 @@ class TilePublisher {
 // a key.
 class TileReceiver {
  public:
-  TileReceiver(Bus& bus, std::string channel, std::function<void(const Tile&)> on_tile);
+  TileReceiver(Bus& bus, const std::string& channel, std::function<void(const Tile&)> on_tile);
 
  private:
   struct Shared;  // outlives this object in callbacks

@@ -36,6 +36,16 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
+[[noreturn]] void refuse_unknown(const std::string& where, const std::string& key,
+                                 const std::vector<std::string>& valid_keys) {
+  throw ConfigError(where + "unknown key '" + key + "'; the nearest valid key is '" +
+                    nearest(key, valid_keys) + "'");
+}
+
+[[noreturn]] void refuse_repeated(const std::string& where, const std::string& key) {
+  throw ConfigError(where + "key '" + key + "' is given twice; keep one");
+}
+
 }  // namespace
 
 std::string nearest(const std::string& word, const std::vector<std::string>& candidates) {
@@ -74,10 +84,8 @@ YamlMap YamlMap::from_text(const std::string& text, const std::string& file_name
     if (!item.first.IsScalar()) throw ConfigError(where + "a key must be one word");
     const std::string key = item.first.Scalar();
     if (std::find(valid_keys.begin(), valid_keys.end(), key) == valid_keys.end())
-      throw ConfigError(where + "unknown key '" + key + "'; the nearest valid key is '" +
-                        nearest(key, valid_keys) + "'");
-    if (!map.values_.emplace(key, item.second).second)
-      throw ConfigError(where + "key '" + key + "' is given twice; keep one");
+      refuse_unknown(where, key, valid_keys);
+    if (!map.values_.emplace(key, item.second).second) refuse_repeated(where, key);
   }
   return map;
 }
@@ -121,7 +129,7 @@ std::string YamlMap::text(const std::string& key, const std::string& otherwise) 
 
 std::string YamlMap::choice(const std::string& key, const std::vector<std::string>& choices,
                             const std::string& otherwise) const {
-  const std::string value = text(key, otherwise);
+  std::string value = text(key, otherwise);
   if (!has(key) || std::find(choices.begin(), choices.end(), value) != choices.end()) return value;
   std::string all;
   for (const std::string& c : choices) all += (all.empty() ? "" : ", ") + c;

@@ -111,6 +111,7 @@ std::string add_known(std::uint64_t fingerprint, BigEndian* in, MaebotLog* log) 
 // Angles without the jump from 2 pi to 0.
 std::vector<double> unwrapped(const std::vector<float>& thetas_rad) {
   std::vector<double> result;
+  result.reserve(thetas_rad.size());
   for (const float theta : thetas_rad)
     result.push_back(result.empty() ? theta : result.back() + wrap_angle(theta - result.back()));
   return result;

@@ -94,7 +94,7 @@ Outcome<RelationsError> evaluate_relations(const std::vector<PoseRelation>& rela
   result.rotation_deg = compute_statistics(rotations_deg);
   result.usable = translations_m.size();
   result.total = relations.size();
-  return Outcome<RelationsError>::success(std::move(result));
+  return Outcome<RelationsError>::success(result);
 }
 
 }  // namespace fusion_slam

@@ -15,7 +15,7 @@ std::uint8_t TiledGrid::at(int cell_x, int cell_y) const {
   if (it == tiles_.end()) return kUnknownCell;
   const int x = cell_x - index.first * kTileCells;
   const int y = cell_y - index.second * kTileCells;
-  return it->second[static_cast<std::size_t>(y * kTileCells + x)];
+  return it->second[static_cast<std::size_t>(y) * kTileCells + static_cast<std::size_t>(x)];
 }
 
 void TiledGrid::set(int cell_x, int cell_y, std::uint8_t value) {
@@ -24,7 +24,7 @@ void TiledGrid::set(int cell_x, int cell_y, std::uint8_t value) {
   if (made) it->second.fill(kUnknownCell);
   const int x = cell_x - index.first * kTileCells;
   const int y = cell_y - index.second * kTileCells;
-  it->second[static_cast<std::size_t>(y * kTileCells + x)] = value;
+  it->second[static_cast<std::size_t>(y) * kTileCells + static_cast<std::size_t>(x)] = value;
 }
 
 Tile encode_grid_tile(const TileKey& key, const TileCells& cells, double resolution_m,

@@ -24,7 +24,9 @@ constexpr double kLogOddsStep = 1.0 / 32.0;  // the clamping bounds -2 and 3.5 a
 using VoxelCells = std::array<std::int8_t, kOctomapTileVolume>;
 
 inline std::size_t voxel_index(int x, int y, int z) {
-  return static_cast<std::size_t>((z * kOctomapTileVoxels + y) * kOctomapTileVoxels + x);
+  constexpr auto n = static_cast<std::size_t>(kOctomapTileVoxels);
+  return (static_cast<std::size_t>(z) * n + static_cast<std::size_t>(y)) * n +
+         static_cast<std::size_t>(x);
 }
 
 struct OctomapVoxel {

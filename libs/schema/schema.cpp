@@ -62,12 +62,16 @@ std::size_t size_bytes(LcmPrimitive primitive) {
   return 0;
 }
 
+[[noreturn]] static void refuse_twice(const std::string& file, const std::string& type) {
+  throw std::runtime_error(file + ": type " + type + " is defined twice");
+}
+
 Schema::Schema(const LcmFiles& files) {
   for (const auto& [file, text] : files) {
     for (LcmType& type : parse_lcm(file, text)) {
       const std::string name = type.name;
       if (!types_.emplace(name, std::move(type)).second) {
-        throw std::runtime_error(file + ": type " + name + " is defined twice");
+        refuse_twice(file, name);
       }
     }
   }

@@ -42,7 +42,8 @@ class CellReader {
       valid_ = true;
     }
     if (cells_ == nullptr) return kUnknownCell;
-    return (*cells_)[static_cast<std::size_t>((y & 63) * kTileCells + (x & 63))];
+    return (
+        *cells_)[static_cast<std::size_t>(y & 63) * kTileCells + static_cast<std::size_t>(x & 63)];
   }
 
  private:
@@ -145,7 +146,7 @@ void GridComposer::compose_tile(const TileIndex& index) {
                                     (index.second * kTileCells + y + 0.5) * resolution_m);
         const std::uint8_t cell = reader.at(R * p_map + t);
         if (cell == kUnknownCell) continue;
-        const auto i = static_cast<std::size_t>(y * kTileCells + x);
+        const auto i = static_cast<std::size_t>(y) * kTileCells + static_cast<std::size_t>(x);
         sum[i] += kLogOdds[cell];
         known[i] = any = true;
       }

@@ -30,7 +30,7 @@ RobotConfig load_robot(const ImportOptions& options, const Format& format) {
       options.robot_file.empty()
           ? config_directory() / "robots" / (std::string(format.robot) + ".yaml")
           : options.robot_file;
-  const RobotConfig config = load_robot_config(file);
+  RobotConfig config = load_robot_config(file);
   if (format.lidar ? !config.robot.has_lidar : !config.robot.has_camera)
     throw ConfigError(
         file.string() + ": describes a robot without a " + (format.lidar ? "lidar" : "camera") +

@@ -44,7 +44,9 @@ void Canvas::line(cv::Point2d from, cv::Point2d to, const Color& color, double w
 void Canvas::dashed_line(cv::Point2d from, cv::Point2d to, const Color& color, double width_px) {
   const cv::Point2d way = to - from;
   const double length = std::hypot(way.x, way.y);
-  for (double at = 0.0; at < length; at += 2.0 * kDash_px) {
+  const int dashes = static_cast<int>(std::ceil(length / (2.0 * kDash_px)));
+  for (int i = 0; i < dashes; ++i) {
+    const double at = 2.0 * kDash_px * i;
     const double end = std::min(at + kDash_px, length);
     line(from + way * (at / length), from + way * (end / length), color, width_px);
   }
