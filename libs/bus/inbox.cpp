@@ -88,18 +88,21 @@ bool Inbox::may_go(const InboxItem& item, std::int64_t now_us) const {
   return true;
 }
 
-// Throughput: something older of this channel is on its way again.
-bool Inbox::waits_for_repair(const Channel& channel) const {
+// Throughput: something is on its way again, perhaps older than all that waits here (a camera's
+// model before its frames).
+bool Inbox::waits_for_repair() const {
   if (mode_ != Mode::kThroughput) return false;
-  if (!channel.has_seq) return channel.lacks && channel.counters.received < channel.expected;
-  const auto lowest = channel.sequence.missing(INT64_MAX, 0, 1);
-  return !lowest.empty() && lowest.front() < channel.queue.front().seq;
+  return std::any_of(channels_.begin(), channels_.end(), [](const Channel& channel) {
+    return channel.has_seq ? channel.sequence.missing_count() > 0
+                           : channel.lacks && channel.counters.received < channel.expected;
+  });
 }
 
 std::optional<InboxItem> Inbox::pop(std::int64_t now_us) {
+  if (waits_for_repair()) return std::nullopt;
   Channel* best = nullptr;
   for (Channel& channel : channels_) {
-    if (channel.queue.empty() || waits_for_repair(channel)) continue;
+    if (channel.queue.empty()) continue;
     if (best == nullptr || channel.queue.front().utime_us < best->queue.front().utime_us)
       best = &channel;
   }

@@ -94,7 +94,7 @@ class Inbox {
 
  private:
   bool is_repeat(Channel& channel, const InboxItem& item) const;
-  bool waits_for_repair(const Channel& channel) const;
+  bool waits_for_repair() const;
   bool may_go(const InboxItem& item, std::int64_t now_us) const;
 
   Mode mode_;
