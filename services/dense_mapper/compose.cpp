@@ -43,8 +43,8 @@ Eigen::Vector3d corner(int i, const Eigen::Vector3d& low, const Eigen::Vector3d&
 
 std::vector<std::int8_t> compose_voxels(const DenseSubmaps& submaps, const LatticeBox& box,
                                         const DenseMapperConfig& config) {
-  const int low_step = log_odds_to_step(config.log_odds_min);
-  const int high_step = log_odds_to_step(config.log_odds_max);
+  const std::int8_t low_step = log_odds_to_step(config.log_odds_min);
+  const std::int8_t high_step = log_odds_to_step(config.log_odds_max);
   const auto volume = static_cast<std::size_t>(box.size.prod());
   std::vector<std::int16_t> sum(volume, kUnknownLogOdds);
   for (const auto& [id, submap] : submaps) {

@@ -68,7 +68,8 @@ class Rays {
   Eigen::Vector3d at(int u, int v) const {
     if (undistorted_.empty()) return camera_.unproject(u, v, 1.0);
     const cv::Point2d& p =
-        undistorted_[static_cast<std::size_t>(v / stride_px_ * columns_ + u / stride_px_)];
+        undistorted_[static_cast<std::size_t>(v / stride_px_) * static_cast<std::size_t>(columns_) +
+                     static_cast<std::size_t>(u / stride_px_)];
     return {p.x, p.y, 1.0};
   }
 

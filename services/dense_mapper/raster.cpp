@@ -8,11 +8,11 @@
 namespace fusion_slam {
 
 std::uint8_t raster_cell(const std::vector<std::int8_t>& column) {
-  int highest = kUnknownVoxel;
+  std::int8_t highest = kUnknownVoxel;
   int free_sum = 0;
   for (const std::int8_t steps : column) {
     if (steps == kUnknownVoxel) continue;
-    highest = std::max<int>(highest, steps);
+    highest = std::max(highest, steps);
     free_sum += steps;
   }
   if (highest == kUnknownVoxel) return kUnknownCell;

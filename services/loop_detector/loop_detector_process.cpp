@@ -49,7 +49,7 @@ std::optional<LoopKeyframe> from_message(const keyframe_t& message, std::string*
 }
 
 LoopDetectorProcess::LoopDetectorProcess(Bus& bus, LoopDetectorConfig config)
-    : bus_(bus), config_(std::move(config)) {
+    : bus_(bus), config_(config) {
   bus_.subscribe<camera_model_t>("CAMERA_MODEL", Policy::kLatestOnly,
                                  [this](const camera_model_t& m) { on_camera_model(m); });
   bus_.subscribe<robot_model_t>("ROBOT_MODEL", Policy::kLatestOnly,

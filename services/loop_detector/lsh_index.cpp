@@ -44,6 +44,7 @@ std::vector<LshIndex::Near> LshIndex::near(const Descriptor& query, int max_dist
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   std::vector<Near> result;
+  result.reserve(found.size());
   for (const std::uint32_t number : found)
     result.push_back({entries_[number].label, hamming(entries_[number].descriptor, query)});
   return result;
