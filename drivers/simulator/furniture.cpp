@@ -44,6 +44,16 @@ void add_desk(const Eigen::Vector3d& foot, double yaw_rad, const Eigen::Vector3d
                         {size_m.x() - 0.2, 0.018, 0.36}, material));
 }
 
+void add_table(const Eigen::Vector3d& foot, double yaw_rad, const Eigen::Vector3d& size_m,
+               const Material& material, std::vector<Box>* boxes) {
+  const double top = 0.04, leg = 0.05;
+  const double under = size_m.z() - top;
+  const Material legs{TextureKind::kWood, {0.16F, 0.24F, 0.34F}, material.seed + 1000};
+  boxes->push_back(part(foot, yaw_rad, {0, 0, under}, {size_m.x(), size_m.y(), top}, material));
+  add_legs(foot, yaw_rad, 0.5 * size_m.x() - 0.05, 0.5 * size_m.y() - 0.05, under, leg, legs,
+           boxes);
+}
+
 void add_chair(const Eigen::Vector3d& foot, double yaw_rad, const Material& material,
                std::vector<Box>* boxes) {
   const double side = 0.42, seat = 0.45;

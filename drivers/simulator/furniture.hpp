@@ -13,6 +13,9 @@ Box standing_box(const Eigen::Vector3d& foot, double yaw_rad, const Eigen::Vecto
 // A top on four legs and a panel at its back (-y) side.
 void add_desk(const Eigen::Vector3d& foot, double yaw_rad, const Eigen::Vector3d& size_m,
               const Material& material, std::vector<Box>* boxes);
+// A top on four legs.
+void add_table(const Eigen::Vector3d& foot, double yaw_rad, const Eigen::Vector3d& size_m,
+               const Material& material, std::vector<Box>* boxes);
 // A seat on four thin legs with a back at -x: who sits looks along x.
 void add_chair(const Eigen::Vector3d& foot, double yaw_rad, const Material& material,
                std::vector<Box>* boxes);

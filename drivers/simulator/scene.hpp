@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "libs/evaluation/map_class.hpp"
 #include "libs/geometry/pose.hpp"
 
 namespace fusion_slam {
@@ -38,6 +39,7 @@ struct Box {
   SE3 T_world_box = SE3::Identity();  // box frame: origin in its centre
   Eigen::Vector3d half_m = Eigen::Vector3d::Zero();
   Material material;
+  ObstacleClass obstacle = ObstacleClass::kOther;  // of the true map
 };
 
 // Faces of a box: 2 * axis + (1 when the outward normal points along +axis).
