@@ -23,9 +23,13 @@ struct World {
 //   name; route: [[x, y], ...]; limits: {speed_m_s, turn_rad_s, accel_m_s2, turn_accel_rad_s2};
 //   lamps: [[x, y, z], ...]
 //   things: a list of {kind, at: [x, y] or [x, y, z of its lower face], yaw_deg, size_m: [x, y, z],
-//     texture, colour: [r, g, b] of 255}. kind: box | desk | chair | picture; a picture's size is
-//     [width, height], it looks along its yaw from a wall behind it, and z is its lower edge.
+//     texture, colour: [r, g, b] of 255}. kind: box | desk | table | chair | picture; a picture's
+//     size is [width, height], it looks along its yaw from a wall behind it, and z is its lower
+//     edge.
 //   walls: a list of {from: [x, y], to: [x, y], height_m, thickness_m, base_m, texture, colour}
+//   class of a thing or wall: wall | chair | table | low_box | other, for the true map; from its
+//     kind when not given (desk and table: table, picture: wall; a box under the LiDAR's plane:
+//     low_box).
 // Throws ConfigError with file, line, key and the nearest valid key.
 World load_world(const std::filesystem::path& path);
 World world_from_text(const std::string& text, const std::string& file_name);
