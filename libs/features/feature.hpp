@@ -18,6 +18,7 @@ struct Feature {
   float depth_m = 0.0F;  // along the optical axis; 0: unknown
   float angle_rad = 0.0F;
   std::int8_t octave = 0;
+  float depth_sigma_m = 0.0F;  // standard deviation of depth_m; 0: unknown
 };
 
 // features[i] and descriptors[i] belong together.

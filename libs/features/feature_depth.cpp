@@ -33,8 +33,10 @@ double depth_at(const cv::Mat& depth_mm, const CameraModel& camera, double u_px,
 }
 
 void attach_depth(const cv::Mat& depth_mm, const CameraModel& camera, FeatureSet* set) {
-  for (Feature& f : set->features)
+  for (Feature& f : set->features) {
     f.depth_m = static_cast<float>(depth_at(depth_mm, camera, f.u_px, f.v_px));
+    f.depth_sigma_m = f.depth_m > 0.0F ? static_cast<float>(camera.depth_sigma(f.depth_m)) : 0.0F;
+  }
 }
 
 void undistort(const CameraModel& camera, FeatureSet* set) {

@@ -14,7 +14,7 @@ namespace fusion_slam {
 // belongs to either side by chance.
 double depth_at(const cv::Mat& depth_mm, const CameraModel& camera, double u_px, double v_px);
 
-// Fills depth_m of features whose pixels are as the camera took them.
+// Fills depth_m and depth_sigma_m of features whose pixels are as the camera took them.
 void attach_depth(const cv::Mat& depth_mm, const CameraModel& camera, FeatureSet* set);
 
 // Moves pixels as the camera took them to where a lens without distortion would show them. Nothing

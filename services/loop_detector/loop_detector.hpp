@@ -10,9 +10,9 @@
 
 #include "libs/camera/camera_model.hpp"
 #include "libs/features/feature.hpp"
+#include "libs/features/lsh_index.hpp"
 #include "libs/geometry/pose.hpp"
 #include "services/loop_detector/config.hpp"
-#include "services/loop_detector/lsh_index.hpp"
 
 namespace fusion_slam {
 

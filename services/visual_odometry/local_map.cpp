@@ -32,13 +32,14 @@ void LocalMap::clear() {
 
 void LocalMap::add_keyframe(std::int64_t id, const CameraModel& camera, const SE3& T_odom_camera,
                             const FeatureSet& set, const std::vector<double>& scale_of_octave,
-                            double pixel_sigma, const std::vector<std::int64_t>& point_of_feature,
-                            int keep) {
+                            double pixel_sigma, int keep,
+                            std::vector<std::int64_t>* point_of_feature) {
   for (std::size_t i = 0; i < set.size(); ++i) {
     const Feature& f = set.features[i];
-    auto known = points_.find(point_of_feature[i]);
+    auto known = points_.find((*point_of_feature)[i]);
     if (known == points_.end() && f.depth_m <= 0.0F) continue;
     if (known == points_.end()) known = points_.emplace(next_point_++, MapPoint{}).first;
+    (*point_of_feature)[i] = known->first;
     MapPoint& point = known->second;
     const double scale = scale_of_octave[f.octave];
     if (f.depth_m > 0.0F) {

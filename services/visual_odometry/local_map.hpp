@@ -40,13 +40,12 @@ class LocalMap {
   void count_found(std::int64_t point) { ++points_.at(point).found; }
 
   // Merges what a new keyframe saw: point_of_feature[i] is the point that feature i was matched to
-  // (then its position is averaged by information and its look is renewed) or -1 (then a point is
-  // made, when it has depth). Forgets points that the last `keep` keyframes did not see and those
-  // that are hardly ever found where they should be.
+  // (then its position is averaged by information and its look is renewed) or 0 (then a point is
+  // made, when it has depth, and its id filled in). Forgets points that the last `keep` keyframes
+  // did not see and those that are hardly ever found where they should be.
   void add_keyframe(std::int64_t id, const CameraModel& camera, const SE3& T_odom_camera,
                     const FeatureSet& set, const std::vector<double>& scale_of_octave,
-                    double pixel_sigma, const std::vector<std::int64_t>& point_of_feature,
-                    int keep);
+                    double pixel_sigma, int keep, std::vector<std::int64_t>* point_of_feature);
 
  private:
   Points points_;

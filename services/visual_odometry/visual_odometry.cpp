@@ -185,7 +185,7 @@ TrackingResult VisualOdometry::lost(std::int64_t utime_us, FeatureSet set) {
 
 void VisualOdometry::add_keyframe(const Estimate& estimate, bool connected, FeatureSet set,
                                   TrackingResult* result) {
-  std::vector<std::int64_t> point_of_feature(set.size(), -1);
+  std::vector<std::int64_t> point_of_feature(set.size(), 0);
   for (const MapMatch& m : estimate.matched.matches) point_of_feature[m.feature] = m.point;
   Keyframe keyframe;
   keyframe.id = keyframe_id_ + 1;
@@ -201,7 +201,8 @@ void VisualOdometry::add_keyframe(const Estimate& estimate, bool connected, Feat
   T_odom_keyframe_ = T_odom_camera_;
   fresh_keyframe_ = true;
   map_.add_keyframe(keyframe.id, camera_, T_odom_camera_, set, scales_, config_.pixel_sigma,
-                    point_of_feature, config_.local_map_keyframes);
+                    config_.local_map_keyframes, &point_of_feature);
+  keyframe.landmark_of_feature = std::move(point_of_feature);
   keyframe.features = std::move(set);
   result->keyframe = std::move(keyframe);
 }

@@ -24,8 +24,9 @@ struct Keyframe {
   SE3 T_odom_base = SE3::Identity();
   std::int64_t previous_id = 0;  // 0: none, a new segment
   SE3 T_previous_base = SE3::Identity();
-  Matrix6d covariance = Matrix6d::Identity();  // of T_previous_base, base axes
-  FeatureSet features;                         // ideal pixels
+  Matrix6d covariance = Matrix6d::Identity();     // of T_previous_base, base axes
+  FeatureSet features;                            // ideal pixels
+  std::vector<std::int64_t> landmark_of_feature;  // one a feature; 0: none
 };
 
 struct TrackingResult {

@@ -118,6 +118,8 @@ void VisualOdometryProcess::publish_keyframe(const Keyframe& keyframe,
     message.depth_m.push_back(f.depth_m);
     message.angle_rad.push_back(f.angle_rad);
     message.octave.push_back(f.octave);
+    message.depth_sigma_m.push_back(f.depth_sigma_m);
+    message.landmark_id.push_back(keyframe.landmark_of_feature[i]);
     descriptor_to_bytes(set.descriptors[i], message.descriptors.data() + i * kDescriptorBytes);
   }
   bus_.publish("KEYFRAME", std::move(message));

@@ -136,9 +136,11 @@ TEST(Guard, agrees_with_generated_decoders_on_random_damage) {
   for (int round = 0; round < 20000; ++round) {
     keyframe_t keyframe{};
     keyframe.n = 3;
-    for (auto* values : {&keyframe.u_px, &keyframe.v_px, &keyframe.depth_m, &keyframe.angle_rad})
+    for (auto* values : {&keyframe.u_px, &keyframe.v_px, &keyframe.depth_m, &keyframe.angle_rad,
+                         &keyframe.depth_sigma_m})
       values->resize(3);
     keyframe.octave.resize(3);
+    keyframe.landmark_id.resize(3);
     std::vector<std::uint8_t> bytes = encoded(keyframe);
     for (int i = 0; i < 2; ++i)
       bytes[8 + random() % (bytes.size() - 8)] = static_cast<std::uint8_t>(random() % 8);

@@ -39,6 +39,8 @@ keyframe_t message_of(const LoopKeyframe& keyframe) {
     m.depth_m.push_back(f.depth_m);
     m.angle_rad.push_back(f.angle_rad);
     m.octave.push_back(f.octave);
+    m.depth_sigma_m.push_back(f.depth_sigma_m);
+    m.landmark_id.push_back(0);
     descriptor_to_bytes(keyframe.features.descriptors[i], m.descriptors.data() + 32 * i);
   }
   return m;

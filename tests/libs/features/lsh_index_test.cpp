@@ -1,4 +1,4 @@
-#include "services/loop_detector/lsh_index.hpp"
+#include "libs/features/lsh_index.hpp"
 
 #include <random>
 
