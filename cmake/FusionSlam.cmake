@@ -1,7 +1,7 @@
 # The project's own three commands: fs_library, fs_program, fs_test. Warnings are errors everywhere.
 option(FUSION_SLAM_BUILD_TESTS "Build the GoogleTest suites" ON)
 option(FUSION_SLAM_SANITIZE "AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
-option(FUSION_SLAM_FUZZ "Build the libFuzzer targets below tests/fuzz (clang only)" OFF)
+option(FUSION_SLAM_FUZZ "Build the libFuzzer targets below tests/fuzz, with FUSION_SLAM_SANITIZE (clang only)" OFF)
 
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
@@ -23,9 +23,8 @@ if(FUSION_SLAM_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
 endif()
-if(FUSION_SLAM_FUZZ)
-  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined)
-  add_link_options(-fsanitize=address,undefined)
+if(FUSION_SLAM_FUZZ)  # the same objects serve the sanitized tests and the fuzzers
+  add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
 # fs_library(NAME SOURCES a.cpp ... [LINK lib ...])
