@@ -67,8 +67,9 @@ SE2 Drive::T_world_base(double time_s) const {
 std::vector<SE2> wheel_odometry(const Drive& drive, const WheelNoise& wheels, std::uint64_t seed,
                                 bool noise) {
   Random random(seed, kWheelStream);
-  const double scale[2] = {1.0 + (noise ? wheels.scale_sigma * random.gaussian() : 0.0),
-                           1.0 + (noise ? wheels.scale_sigma * random.gaussian() : 0.0)};
+  double scale[2] = {1.0, 1.0};
+  for (double& s : scale)
+    if (const double g = random.gaussian(); noise && wheels.with_scale) s += wheels.scale_sigma * g;
   std::vector<SE2> poses;
   SE2 pose;
   for (const Drive::Step& step : drive.steps()) {
@@ -77,7 +78,7 @@ std::vector<SE2> wheel_odometry(const Drive& drive, const WheelNoise& wheels, st
     for (int side = 0; side < 2; ++side) {  // left, right
       const double lever = (side == 0 ? -0.5 : 0.5) * wheels.wheel_base_m;
       way[side] = (step.speed_m_s + lever * step.turn_rad_s) * Drive::kStepS * scale[side];
-      if (noise)
+      if (noise && wheels.with_slip)
         way[side] +=
             wheels.slip_sigma_per_sqrt_m * std::sqrt(std::fabs(way[side])) * random.gaussian();
     }

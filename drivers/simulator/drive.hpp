@@ -41,10 +41,13 @@ class Drive {
 // Motion along an arc: T_start_end.
 SE2 arc(double distance_m, double angle_rad);
 
+// Borenstein & Feng 1996: systematic errors (unequal wheels) and random ones (slip, bumps).
 struct WheelNoise {
   double wheel_base_m = 0.30;
   double scale_sigma = 0.003;            // of each wheel's radius: constant in a run (tyres, load)
   double slip_sigma_per_sqrt_m = 0.004;  // random walk of each wheel's way
+  bool with_scale = true;
+  bool with_slip = true;
 };
 
 // T_odom_base at the start of every step of the drive, odom being where base was at first.

@@ -1,5 +1,6 @@
 #include "drivers/simulator/lidar_sensor.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "drivers/simulator/random.hpp"
@@ -7,6 +8,22 @@
 namespace fusion_slam {
 namespace {
 constexpr std::uint64_t kLidarStream = 30;
+
+// Reflectance of what was hit: the mean of its colours, as its picture is not made at one point.
+double reflectance(const Scene& scene, const SceneHit& hit) {
+  const auto& bgr = scene.boxes()[static_cast<std::size_t>(hit.box)].material.bgr;
+  return static_cast<double>(bgr[0] + bgr[1] + bgr[2]) / 3.0;
+}
+
+}  // namespace
+
+double return_probability(const LidarNoise& noise, double range_max_m, double range_m,
+                          double cosine, double reflectance) {
+  const double flat = (cosine - noise.lost_cosine) / (noise.sure_cosine - noise.lost_cosine);
+  const double reach = range_max_m / std::max(1e-3, range_m);
+  const double signal = reflectance / noise.white_reflectance * cosine * reach * reach;
+  const double bright = (signal - (1.0 - noise.fade)) / (2.0 * noise.fade);
+  return std::clamp(std::min(flat, bright), 0.0, 1.0);
 }
 
 LaserScan sweep(const Scene& scene, const RobotModel& robot, const LidarNoise& noise,
@@ -28,9 +45,12 @@ LaserScan sweep(const Scene& scene, const RobotModel& robot, const LidarNoise& n
     double range = 0.0;
     if (const auto hit = scene.cast(T_world_lidar.translation(), direction)) {
       const double cosine = std::fabs(scene.normal(*hit).dot(direction));
-      const double kept = (cosine - noise.lost_cosine) / (noise.sure_cosine - noise.lost_cosine);
       range = hit->t;
-      if (with_noise) range = chance < kept ? range * (1.0 + noise.range_fraction * gaussian) : 0.0;
+      const bool lost = with_noise && noise.with_dropouts &&
+                        chance >= return_probability(noise, robot.lidar.range_max_m, range, cosine,
+                                                     reflectance(scene, *hit));
+      if (with_noise && noise.with_noise) range *= 1.0 + noise.range_fraction * gaussian;
+      if (lost) range = 0.0;
       if (range < robot.lidar.range_min_m || range > robot.lidar.range_max_m) range = 0.0;
     }
     scan.ranges_m.push_back(static_cast<float>(range));

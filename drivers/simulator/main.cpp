@@ -1,47 +1,39 @@
-// simulate: a short recording of a simulated robot, with exact ground truth.
+// simulate: a recording of a simulated robot, with exact ground truth.
 #include <exception>
 #include <iostream>
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <unistd.h>
 
+#include "drivers/simulator/arguments.hpp"
 #include "drivers/simulator/recording.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app("Writes the LCM log of a simulated robot's drive, with exact ground truth",
                "simulate");
-  std::string world_file, out;
-  fusion_slam::SimulationOptions options;
-  bool no_noise = false;
-  app.add_option("WORLD", world_file, "world file, such as config/worlds/office.yaml")->required();
+  fusion_slam::SimulationArguments arguments;
+  std::string out;
+  fusion_slam::add_simulation_arguments(app, &arguments);
   app.add_option("--out", out, "the LCM log to write")->required();
-  app.add_option("--seed", options.seed, "equal seeds give equal bytes")->capture_default_str();
-  app.add_option("--seconds", options.seconds, "how long to drive")
-      ->check(CLI::Range(0.5, 36000.0))
-      ->capture_default_str();
-  app.add_option("--camera-hz", options.camera_hz, "camera frames a second")
-      ->check(CLI::Range(0.5, 120.0))
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "frames rendered at the same time")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  app.add_flag("--no-noise", no_noise, "ideal sensors and wheels");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
-    options.noise = !no_noise;
-    const fusion_slam::World world = fusion_slam::load_world(world_file);
-    const auto progress = [](std::int64_t done, std::int64_t of) {
-      if (done % 50 == 0 || done == of)
-        std::cerr << "\rrendered " << done << " of " << of << " frames" << std::flush;
+    const auto input = fusion_slam::read_simulation(arguments);
+    const fusion_slam::Simulation simulation(input.world, input.route, input.options);
+    const bool terminal = isatty(2) != 0;
+    const auto progress = [terminal](std::int64_t done, std::int64_t of) {
+      if (done == of || done % (terminal ? 15 : 300) == 0)
+        std::cerr << (terminal ? "\r" : "") << "rendered " << done << " of " << of << " frames"
+                  << (terminal && done != of ? "" : "\n") << std::flush;
     };
-    const auto summary = fusion_slam::write_recording(world, options, out, progress);
-    std::cerr << "\n";
-    std::cout << out << ": " << summary.n_events << " messages, " << summary.n_frames << " frames, "
-              << summary.size_bytes / 1'000'000 << " MB";
+    const auto summary =
+        fusion_slam::write_recording(simulation, input.options.threads, out, progress);
+    std::cout << out << ": " << summary.seconds << " s, " << summary.n_events << " messages, "
+              << summary.n_frames << " frames, " << summary.size_bytes / 1'000'000 << " MB";
     if (summary.lap_s > 0.0) std::cout << "; back at the start after " << summary.lap_s << " s";
     std::cout << "\n";
     return 0;

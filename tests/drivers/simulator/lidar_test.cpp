@@ -5,7 +5,7 @@
 #include "drivers/simulator/camera_renderer.hpp"
 #include "drivers/simulator/furniture.hpp"
 #include "drivers/simulator/lidar_sensor.hpp"
-#include "drivers/simulator/recording.hpp"
+#include "drivers/simulator/simulation.hpp"
 
 namespace fusion_slam {
 namespace {

@@ -34,14 +34,16 @@ class Recording : public testing::Test {
     std::filesystem::create_directories(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::string bytes(std::uint64_t seed, int threads, bool noise = true) {
+  static Simulation simulation(std::uint64_t seed, bool noise = true) {
     SimulationOptions options;
     options.seed = seed;
     options.seconds = 2.0;
     options.camera_hz = 3.0;
-    options.noise = noise;
-    options.threads = threads;
-    write_recording(world_from_text(kWorld, "world"), options, file(), {});
+    if (!noise) set_effect("all", false, &options.noise);
+    return Simulation(world_from_text(kWorld, "world"), {}, options);
+  }
+  std::string bytes(std::uint64_t seed, int threads, bool noise = true) {
+    write_recording(simulation(seed, noise), threads, file(), {});
     std::ifstream in(file(), std::ios::binary);
     std::ostringstream all;
     all << in.rdbuf();
@@ -95,10 +97,7 @@ TEST_F(Recording, HoldsEveryChannelInOrderOfTime) {
 }
 
 TEST_F(Recording, SaysWhenItCannotWrite) {
-  SimulationOptions options;
-  options.seconds = 0.5;
-  EXPECT_THROW(
-      write_recording(world_from_text(kWorld, "world"), options, folder_ / "no" / "log.lcm", {}),
+  EXPECT_THROW(write_recording(simulation(1), 1, folder_ / "no" / "log.lcm", {}),
       std::runtime_error);
 }
 
