@@ -33,7 +33,8 @@ const char* to_string(Mode mode) {
 }
 
 int process_main(int argc, char** argv, const std::string& name, const std::string& description,
-                 const std::function<std::shared_ptr<void>(Bus&)>& make) {
+                 const std::function<std::shared_ptr<void>(Bus&)>& make,
+                 const std::function<void(CLI::App&)>& add_options) {
   BusOptions options;
   options.process = name;
   CLI::App app{name + ": " + description};
@@ -45,6 +46,7 @@ int process_main(int argc, char** argv, const std::string& name, const std::stri
                  "live: the robot's clock drives; throughput, lockstep: a replay drives")
       ->transform(CLI::CheckedTransformer(modes))
       ->default_str("live");
+  if (add_options) add_options(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

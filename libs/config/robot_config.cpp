@@ -40,7 +40,10 @@ RobotConfig load_robot_config(const fs::path& path) {
   robot.has_camera = map.has("camera");
   if (!robot.has_lidar && !robot.has_camera)
     map.fail("lidar", "and 'camera' are both missing; a robot needs one of them");
-  if (robot.has_lidar) robot.lidar = load_lidar_model(sensor_file(map, path, "lidar"));
+  if (robot.has_lidar) {
+    config.lidar_file = sensor_file(map, path, "lidar");
+    robot.lidar = load_lidar_model(config.lidar_file);
+  }
   if (robot.has_camera) config.camera = load_camera_model(sensor_file(map, path, "camera"));
   robot.T_base_lidar = mounting(map, kLidarMount);
   SE3 body_from_optical = SE3::Identity();

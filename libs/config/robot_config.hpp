@@ -20,7 +20,8 @@ namespace fusion_slam {
 
 struct RobotConfig {
   RobotModel robot;
-  CameraModel camera;  // meaningful when robot.has_camera
+  CameraModel camera;                // meaningful when robot.has_camera
+  std::filesystem::path lidar_file;  // the LiDAR's sensor model; empty without one
 };
 
 // Throws ConfigError: file, line, key, what to do.

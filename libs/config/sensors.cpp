@@ -7,8 +7,9 @@
 namespace fusion_slam {
 namespace {
 
-const std::vector<std::string> kLidarKeys = {"kind",    "range_min_m", "range_max_m",
-                                             "sigma_m", "rate_hz",     "beam_period_s"};
+const std::vector<std::string> kLidarKeys = {"kind",    "range_min_m",   "range_max_m", "sigma_m",
+                                             "rate_hz", "beam_period_s", "port",        "baud",
+                                             "model",   "scan_mode"};
 const std::vector<std::string> kCameraKeys = {
     "kind",   "width_px",   "height_px",   "fx_px",       "fy_px",         "cx_px",
     "cy_px",  "distortion", "depth_min_m", "depth_max_m", "depth_sigma_m", "depth_sigma_per_m",
@@ -27,6 +28,18 @@ LidarModel load_lidar_model(const std::filesystem::path& path) {
   model.beam_period_s = map.number("beam_period_s", 0.0, 0.1, model.beam_period_s);
   if (model.range_min_m >= model.range_max_m) map.fail("range_min_m", "is not below range_max_m");
   return model;
+}
+
+LidarConnection load_lidar_connection(const std::filesystem::path& path) {
+  const YamlMap map = YamlMap::from_file(path, kLidarKeys);
+  LidarConnection connection;
+  connection.port = map.text("port", "");
+  connection.baud = static_cast<int>(map.number("baud", 0, 4'000'000, 0));
+  if (map.has("model"))
+    connection.model = map.choice("model", {"a1", "a2", "a3", "c1", "s1", "s2", "s3"}, "");
+  connection.scan_mode =
+      map.choice("scan_mode", {"auto", "standard", "express", "dense"}, connection.scan_mode);
+  return connection;
 }
 
 CameraModel load_camera_model(const std::filesystem::path& path) {

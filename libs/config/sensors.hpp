@@ -11,8 +11,17 @@
 
 namespace fusion_slam {
 
-// Both throw ConfigError with file, line and key; an unknown keys' nearest valid one is named.
+// How to reach a LiDAR; the optional keys port, baud, model and scan_mode of its file.
+struct LidarConnection {
+  std::string port;                // device file, pattern with *, or empty: the driver looks for it
+  int baud = 0;                    // 0: the driver finds out
+  std::string model;               // a1, a2, a3, c1, s1, s2, s3; empty: whatever answers
+  std::string scan_mode = "auto";  // auto, standard, express, dense
+};
+
+// All throw ConfigError with file, line and key; an unknown keys' nearest valid one is named.
 LidarModel load_lidar_model(const std::filesystem::path& path);
+LidarConnection load_lidar_connection(const std::filesystem::path& path);
 CameraModel load_camera_model(const std::filesystem::path& path);
 
 // Names of the sensors of `kind` ("lidar" or "camera") in a directory, sorted.

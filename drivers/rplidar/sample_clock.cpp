@@ -1,0 +1,27 @@
+#include "drivers/rplidar/sample_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fusion_slam {
+namespace {
+
+// GET_SAMPLERATE gives whole microseconds: 0.5 in 250 is 2000 ppm, crystals add less than 100.
+constexpr double kRise = 3e-3;
+
+}  // namespace
+
+void SampleClock::bound(std::int64_t number, double latest_us) {
+  const double offset_us = latest_us - static_cast<double>(number) * period_us_;
+  const double rise_us = kRise * period_us_ * static_cast<double>(number - last_number_);
+  offset_us_ = started_ ? std::min(offset_us, offset_us_ + rise_us) : offset_us;
+  last_number_ = number;
+  started_ = true;
+}
+
+std::int64_t SampleClock::utime_us(std::int64_t number) const {
+  if (!started_) return 0;
+  return std::llround(offset_us_ + static_cast<double>(number) * period_us_);
+}
+
+}  // namespace fusion_slam
