@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <set>
+#include <utility>
 
 #include "libs/datasets/rgbd_dataset.hpp"
 
@@ -30,7 +31,7 @@ ImageList read_list(const std::filesystem::path& path, Skipped* skipped) {
     const std::string_view stamp = next_word(&line);
     if (stamp.empty()) continue;
     if (stamp.front() == '#') {
-      list.comments += whole;
+      list.comments += std::string(whole) + " ";
       continue;
     }
     const auto utime_us = parse_seconds_us(stamp);
@@ -86,10 +87,41 @@ std::vector<Pair> associate(const std::vector<ListedImage>& colour,
   return pairs;
 }
 
+// What `fusion-slam export tum` says in rgb.txt: "# camera: fx 570 fy 570 cx 319.5 cy 239.5 k1 0 k2
+// 0 p1 0 p2 0 k3 0 width 640 height 480". False when it isn't all there.
+bool stated_intrinsics(const std::string& comments, CameraModel* camera) {
+  const std::size_t at = comments.find("# camera:");
+  if (at == std::string::npos) return false;
+  std::string_view rest = std::string_view(comments).substr(at + 9);
+  auto& k = camera->distortion;
+  double width = 0.0, height = 0.0;
+  const std::pair<const char*, double*> values[] = {
+      {"fx", &camera->fx_px}, {"fy", &camera->fy_px}, {"cx", &camera->cx_px},
+      {"cy", &camera->cy_px}, {"k1", &k[0]},          {"k2", &k[1]},
+      {"p1", &k[2]},          {"p2", &k[3]},          {"k3", &k[4]},
+      {"width", &width},      {"height", &height}};
+  for (const auto& [name, target] : values) {
+    if (next_word(&rest) != name) return false;
+    const auto value = parse_number(next_word(&rest));
+    if (!value) return false;
+    *target = *value;
+  }
+  const auto side = [](double px) { return px >= 1.0 && px <= kMaxImageSide; };
+  if (!side(width) || !side(height)) return false;
+  camera->width_px = static_cast<int>(width);
+  camera->height_px = static_cast<int>(height);
+  return camera->fx_px > 0.0 && camera->fy_px > 0.0;
+}
+
 // Published with the data set (Sturm et al. 2012, "Intrinsic camera calibration of the Kinect").
 // Its depth images are registered to colour and already scaled.
 CameraModel intrinsics(const std::string& hint, std::string* name) {
   CameraModel camera;
+  if (stated_intrinsics(hint, &camera)) {
+    *name = "as rgb.txt says";
+    return camera;
+  }
+  camera = {};
   const auto set = [&](const char* n, double fx, double fy, double cx, double cy,
                        std::array<double, 5> distortion) {
     *name = n;

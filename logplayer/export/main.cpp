@@ -1,0 +1,65 @@
+// export: an LCM log in the formats of other systems.
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "libs/log_export/carmen_export.hpp"
+#include "libs/log_export/tum_export.hpp"
+
+namespace {
+
+void print(const std::string& out, const fusion_slam::ExportSummary& summary) {
+  std::cout << out << ":";
+  const char* separator = " ";
+  for (const auto& [what, count] : summary.written) {
+    std::cout << separator << count << " " << what;
+    separator = ", ";
+  }
+  std::cout << "\n";
+  for (const auto& [why, count] : summary.skipped)
+    std::cout << "  left out: " << count << " " << why << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("An LCM log in the formats that other SLAM systems read", "export");
+  app.require_subcommand(1);
+  std::string log, out;
+  fusion_slam::TumExportOptions tum_options;
+  fusion_slam::CarmenExportOptions carmen_options;
+  auto* tum = app.add_subcommand(
+      "tum", "TUM RGB-D directory: rgb/, depth/, rgb.txt, depth.txt, groundtruth.txt");
+  auto* carmen = app.add_subcommand("carmen", "CARMEN log: ODOM and FLASER lines");
+  for (auto* format : {tum, carmen}) {
+    format->add_option("LOG", log, "the LCM log")->required()->check(CLI::ExistingFile);
+    format->add_option("OUT", out, "what to make: a directory (tum), a file (carmen)")->required();
+  }
+  tum->add_flag(
+      "--jpeg", tum_options.keep_jpeg,
+      "the log's own JPEG images instead of PNG: nothing re-encoded, a tenth of the size");
+  carmen->add_flag("--full-sweep", carmen_options.full_sweep,
+                   "ROBOTLASER1 lines with all beams instead of FLASER with those ahead");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  const auto progress = [](double share) {
+    std::cerr << "\rexport: " << static_cast<int>(100.0 * share) << " %"
+              << (share < 1.0 ? "" : "\n") << std::flush;
+  };
+  const std::function<void(double)> shown =
+      isatty(2) != 0 ? progress : std::function<void(double)>();
+  try {
+    print(out, tum->parsed() ? fusion_slam::export_tum(log, out, tum_options, shown)
+                             : fusion_slam::export_carmen(log, out, carmen_options, shown));
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "export: " << error.what() << "\n";
+    return 1;
+  }
+}
