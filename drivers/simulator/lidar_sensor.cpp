@@ -8,13 +8,6 @@
 namespace fusion_slam {
 namespace {
 constexpr std::uint64_t kLidarStream = 30;
-
-// Reflectance of what was hit: the mean of its colours, as its picture is not made at one point.
-double reflectance(const Scene& scene, const SceneHit& hit) {
-  const auto& bgr = scene.boxes()[static_cast<std::size_t>(hit.box)].material.bgr;
-  return static_cast<double>(bgr[0] + bgr[1] + bgr[2]) / 3.0;
-}
-
 }  // namespace
 
 double return_probability(const LidarNoise& noise, double range_max_m, double range_m,
@@ -48,7 +41,7 @@ LaserScan sweep(const Scene& scene, const RobotModel& robot, const LidarNoise& n
       range = hit->t;
       const bool lost = with_noise && noise.with_dropouts &&
                         chance >= return_probability(noise, robot.lidar.range_max_m, range, cosine,
-                                                     reflectance(scene, *hit));
+                                                     scene.reflectance(*hit));
       if (with_noise && noise.with_noise) range *= 1.0 + noise.range_fraction * gaussian;
       if (lost) range = 0.0;
       if (range < robot.lidar.range_min_m || range > robot.lidar.range_max_m) range = 0.0;

@@ -23,6 +23,8 @@ int main(int argc, char** argv) {
   }
   try {
     const auto input = fusion_slam::read_simulation(arguments);
+    for (const std::string& warning : input.world.warnings)
+      std::cerr << "simulate: " << warning << "\n";
     const fusion_slam::Simulation simulation(input.world, input.route, input.options);
     const bool terminal = isatty(2) != 0;
     const auto progress = [terminal](std::int64_t done, std::int64_t of) {

@@ -1,14 +1,17 @@
-// What rays hit: boxes. World frame: x, y on the floor, z up, metres. Everything const is
-// thread-safe.
+// What rays hit: boxes and meshes. World frame: x, y on the floor, z up, metres. The rays are
+// Embree's (Wald et al. 2014), single ones for the LiDAR and shadows, eight at a time for the
+// camera. Everything const is thread-safe.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "drivers/simulator/mesh.hpp"
 #include "libs/evaluation/map_class.hpp"
 #include "libs/geometry/pose.hpp"
 
@@ -42,57 +45,62 @@ struct Box {
   ObstacleClass obstacle = ObstacleClass::kOther;  // of the true map
 };
 
-// Faces of a box: 2 * axis + (1 when the outward normal points along +axis).
-struct BoxHit {
-  double t = 0.0;  // in lengths of the direction
-  int face = 0;
-};
-
-// Entry of the ray origin + t * direction (both in the box's frame) with t > 0; a ray that starts
-// inside never enters. Slab method (Kay & Kajiya 1986).
-inline bool enter_box(const Eigen::Vector3d& half, const Eigen::Vector3d& origin,
-                      const Eigen::Vector3d& direction, BoxHit* hit) {
-  double enter = 0.0;
-  double leave = std::numeric_limits<double>::infinity();
-  int face = -1;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double inverse = 1.0 / direction[axis];
-    const double low = (-half[axis] - origin[axis]) * inverse;
-    const double high = (half[axis] - origin[axis]) * inverse;
-    const double near = low < high ? low : high;
-    const double far = low < high ? high : low;
-    if (near > enter) {
-      enter = near;
-      face = 2 * axis + (direction[axis] < 0.0 ? 1 : 0);
-    }
-    if (far < leave) leave = far;
-  }
-  if (face < 0 || enter > leave) return false;
-  *hit = {enter, face};
-  return true;
-}
-
-Eigen::Vector3d face_normal(int face);  // in the box's frame
+// Outward normal of a box's face in the box's frame. Faces: 2 * axis + (1 when the outward normal
+// points along +axis).
+Eigen::Vector3d face_normal(int face);
 
 struct SceneHit {
-  double t = 0.0;
-  int box = 0;
-  int face = 0;
+  double t = 0.0;  // in lengths of the direction
+  int box = -1;    // -1: it is a mesh
+  int face = 0;    // of the box
+  int mesh = -1;   // -1: it is a box
+  int triangle = 0;
+  float u = 0.0F;  // of the triangle: p = (1 - u - v) v0 + u v1 + v v2
+  float v = 0.0F;
+};
+
+// Eight rays from one point and what they meet. t > 0 in lengths of the direction; infinity:
+// nothing. geometry 0: boxes, primitive = box * 6 + face; k > 0: mesh k - 1, primitive = triangle.
+struct alignas(32) RayPacket {
+  std::array<float, 8> x, y, z;  // directions
+  std::array<float, 8> t;
+  std::array<float, 8> u, v;
+  std::array<float, 8> cosine;  // of the angle between ray and surface normal, 0 to 1
+  std::array<std::int32_t, 8> geometry, primitive;
 };
 
 class Scene {
  public:
-  explicit Scene(std::vector<Box> boxes);
+  explicit Scene(std::vector<Box> boxes, std::vector<Mesh> meshes = {});
+  ~Scene();
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
 
   const std::vector<Box>& boxes() const { return boxes_; }
-  // First box that the ray enters with t < t_max.
+  const std::vector<Mesh>& meshes() const { return meshes_; }
+  // First box that the ray enters, or mesh that it meets from either side, with 0 < t < t_max. A
+  // ray that starts within a box does not see that box. t is exact to double precision where
+  // Embree's floats agree which surface it is.
   std::optional<SceneHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                double t_max = std::numeric_limits<double>::infinity()) const;
-  Eigen::Vector3d normal(const SceneHit& hit) const;  // outward, world
+  // Whether there is such a surface at all.
+  bool blocked(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+               double t_max = std::numeric_limits<double>::infinity()) const;
+  // x, y, z are given, the rest is the answer. within_a_box: says whether `origin` is.
+  void cast(const Eigen::Vector3f& origin, bool within_a_box, float t_min, RayPacket* rays) const;
+  bool within_a_box(const Eigen::Vector3d& p) const;
+
+  Eigen::Vector3d normal(const SceneHit& hit) const;  // unit; a box's outward; world
+  // Part of the light that the surface sends back, 0 to 1, its average over about 2 cm.
+  double reflectance(const SceneHit& hit) const;
+  ObstacleClass obstacle(const SceneHit& hit) const;
 
  private:
+  struct Tree;  // Embree's
   std::vector<Box> boxes_;
+  std::vector<Mesh> meshes_;
   std::vector<SE3> T_box_world_;
+  std::unique_ptr<Tree> tree_;
 };
 
 }  // namespace fusion_slam

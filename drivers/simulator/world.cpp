@@ -3,8 +3,11 @@
 #include <cmath>
 
 #include "drivers/simulator/furniture.hpp"
+#include "drivers/simulator/gazebo_world.hpp"
+#include "drivers/simulator/mesh_file.hpp"
 #include "drivers/simulator/route.hpp"
 #include "drivers/simulator/texture.hpp"
+#include "drivers/simulator/truth_class.hpp"
 #include "drivers/simulator/yaml_section.hpp"
 
 namespace fusion_slam {
@@ -15,7 +18,10 @@ Material read_material(const YamlSection& s, TextureKind otherwise, std::uint64_
   Material m;
   m.kind = s.has("texture") ? *texture_from(s.word("texture", texture_names())) : otherwise;
   m.bgr = default_colour(m.kind);
-  m.seed = seed;
+  // Things of one pattern look the same; others' seeds stay far below.
+  m.seed = s.has("pattern")
+               ? 1'000'000'000 + static_cast<std::uint64_t>(s.number("pattern", 0.0, 1e9, 0.0))
+               : seed;
   if (s.has("colour")) {
     const auto rgb = s.numbers(s.child("colour"), "colour", 3, 3);
     for (std::size_t k = 0; k < 3; ++k) m.bgr[k] = static_cast<float>(rgb[2 - k] / 255.0);
@@ -56,7 +62,7 @@ void add_wall(const YamlSection& s, std::uint64_t seed, std::vector<Box>* boxes)
 }
 
 void add_thing(const YamlSection& s, std::uint64_t seed, std::vector<Box>* boxes) {
-  const std::string kind = s.word("kind", {"box", "desk", "table", "chair", "picture"});
+  const std::string kind = s.word("kind", {"box", "desk", "table", "chair", "picture", "mesh"});
   auto at = s.numbers(s.child("at"), "at", 2, 3);
   at.resize(3, 0.0);
   const Eigen::Vector3d foot(at[0], at[1], at[2]);
@@ -95,6 +101,25 @@ void add_thing(const YamlSection& s, std::uint64_t seed, std::vector<Box>* boxes
     require_volume(s, s.child("size_m"), "'size_m' is too small for a " + kind, first, *boxes);
 }
 
+// A model from a file beside the world file.
+void add_model(const YamlSection& s, MeshFiles* files, World* world) {
+  auto at = s.numbers(s.child("at"), "at", 2, 3);
+  at.resize(3, 0.0);
+  const double yaw = s.number("yaw_deg", -360.0, 360.0, 0.0) * M_PI / 180.0;
+  const double scale = s.number("scale", 1e-4, 1e4, 1.0);
+  const std::string name = s.text("file");
+  if (name.empty()) s.fail(s.node(), "'file' of the mesh is missing");
+  const auto path = std::filesystem::path(s.file()).parent_path() / name;
+  if (!std::filesystem::is_regular_file(path))
+    s.fail(s.child("file"), "'file' is " + path.string() + ", and there is no such file");
+  for (const Mesh& mesh : files->load(path)) {
+    world->meshes.push_back(placed(mesh, from_xyz_rpy(at[0], at[1], at[2], 0.0, 0.0, yaw),
+                                   Eigen::Vector3d::Constant(scale)));
+    world->meshes.back().name = path.stem().string();
+    world->meshes.back().obstacle = read_class(s, class_of_model(path.stem().string()));
+  }
+}
+
 World read_world(const YAML::Node& root, const std::string& file) {
   const YamlSection s(root, file, {"name", "route", "limits", "lamps", "things", "walls"});
   World world;
@@ -107,14 +132,21 @@ World read_world(const YAML::Node& root, const std::string& file) {
   }
   std::uint64_t seed = 1;  // patterns belong to the world, not to a run
   for (const auto& item : s.list("walls"))
-    add_wall(YamlSection(
-                 item, file,
-                 {"from", "to", "height_m", "thickness_m", "base_m", "texture", "colour", "class"}),
+    add_wall(YamlSection(item, file,
+                         {"from", "to", "height_m", "thickness_m", "base_m", "texture", "colour",
+                          "class", "pattern"}),
              ++seed, &world.boxes);
-  for (const auto& item : s.list("things"))
-    add_thing(
-        YamlSection(item, file, {"kind", "at", "yaw_deg", "size_m", "texture", "colour", "class"}),
-        ++seed, &world.boxes);
+  MeshFiles files;
+  for (const auto& item : s.list("things")) {
+    const YamlSection thing(item, file,
+                            {"kind", "at", "yaw_deg", "size_m", "texture", "colour", "class",
+                             "pattern", "file", "scale"});
+    if (thing.text("kind") == "mesh")
+      add_model(thing, &files, &world);
+    else
+      add_thing(thing, ++seed, &world.boxes);
+  }
+  world.warnings = files.warnings();
   return world;
 }
 
@@ -130,6 +162,8 @@ World world_from_text(const std::string& text, const std::string& file_name) {
 }
 
 World load_world(const std::filesystem::path& path) {
+  const std::string kind = path.extension().string();
+  if (kind == ".world" || kind == ".sdf") return load_gazebo_world(path);
   return world_from_text(text_of_file(path), path.string());
 }
 
