@@ -18,6 +18,7 @@ constexpr double kOdometryHz = 50.0;
 constexpr double kModelHz = 1.0;
 constexpr double kDefaultSeconds = 60.0;
 constexpr double kTwistStepS = 0.001;
+constexpr int kPractiseFrames = 24;
 constexpr double kMostJitter = 0.4;  // of a period: stamps stay in order
 constexpr std::uint64_t kCameraStampStream = 50;
 constexpr std::uint64_t kDepthStampStream = 51;
@@ -121,6 +122,10 @@ struct Simulation::Impl {
         noisy(camera, options.noise.camera, options.seed),
         exposure(options.noise.camera, 1.0 / camera.rate_hz) {
     make_schedule();
+    // Automatic exposure must not wait for frames that never come.
+    at_rate(camera.rate_hz, seconds, [&](std::int64_t i, double t) {
+      if (silent(Sensor::kCamera, t)) exposure.tell(i, std::nullopt);
+    });
   }
 
   SE3 T_world_base(double time_s) const {
@@ -162,6 +167,7 @@ struct Simulation::Impl {
 
   void make_schedule() {
     const StampNoise& stamps = options.noise.stamps;
+    due.clear();
     at_rate(kModelHz, seconds, [&](std::int64_t i, double t) {
       add(Channel::kRobotModel, i, t);
       add(Channel::kCameraModel, i, t);
@@ -180,10 +186,7 @@ struct Simulation::Impl {
       const std::int64_t j =
           jitter_us(kCameraStampStream, i, stamps.camera_jitter_s, 1.0 / camera.rate_hz);
       add(Channel::kGroundTruth, i, t, j);
-      if (silent(Sensor::kCamera, t))
-        exposure.tell(i, std::nullopt);
-      else
-        add(Channel::kCamera, i, t, j);
+      if (!silent(Sensor::kCamera, t)) add(Channel::kCamera, i, t, j);
     });
     std::sort(due.begin(), due.end(), [](const Due& a, const Due& b) {
       return std::tuple(a.utime_us, a.channel, a.index) <
@@ -241,6 +244,15 @@ Simulation::Simulation(const World& world, const std::optional<Route>& route,
     : impl_(std::make_unique<Impl>(world, route, options, epoch_us)) {}
 Simulation::~Simulation() = default;
 
+void Simulation::start_at(std::int64_t epoch_us) {
+  impl_->epoch_us = epoch_us;
+  impl_->make_schedule();
+}
+void Simulation::practise() const {
+  for (int i = 0; i < kPractiseFrames; ++i)
+    impl_->renderer.render(impl_->T_world_base(impl_->seconds * i / kPractiseFrames) *
+                           impl_->robot.T_base_camera);
+}
 const std::vector<Due>& Simulation::schedule() const { return impl_->due; }
 void Simulation::skip_frame(const Due& due) const { impl_->exposure.tell(due.index, std::nullopt); }
 void Simulation::cancel() const { impl_->exposure.cancel(); }

@@ -71,6 +71,11 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
+  // Moves the whole run to another utime of its start; before any message is asked for.
+  void start_at(std::int64_t epoch_us);
+  // Looks about along the route once, so that no frame later waits for a surface to be painted.
+  void practise() const;
+
   // All messages by stamp. GROUND_TRUTH (T_world_base at the stamp, exact) goes with each frame.
   const std::vector<Due>& schedule() const;
   // Bytes as they go out. Camera frames: each must be asked for, or skipped, once; begun in order,
