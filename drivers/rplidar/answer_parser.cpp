@@ -1,6 +1,12 @@
 #include "drivers/rplidar/answer_parser.hpp"
 
 namespace fusion_slam {
+namespace {
+
+// No answer of any model is longer: more is A5 5A by chance.
+constexpr std::uint32_t kLongestAnswer = 1024;
+
+}  // namespace
 
 bool AnswerParser::add(const std::uint8_t* bytes, std::size_t n_bytes) {
   bytes_.insert(bytes_.end(), bytes, bytes + n_bytes);
@@ -18,7 +24,7 @@ bool AnswerParser::find_descriptor() {
       at_ += kDescriptorBytes;
       return true;
     }
-    other_ = found;
+    if (found->send_mode <= 1 && found->length_bytes <= kLongestAnswer) other_ = found;
   }
   return false;
 }

@@ -23,8 +23,8 @@ struct RplidarConfig {
   double slowest_hz = 2.0;
   // Between attempts. With an answer's time-out and the first turn this stays below 1 s.
   int retry_ms = 200;
-  // After RESET: boot and self-test.
-  int reset_ms = 600;
+  // After RESET: boot and self-test, about a second.
+  int boot_ms = 2000;
 };
 
 }  // namespace fusion_slam

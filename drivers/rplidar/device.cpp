@@ -99,7 +99,8 @@ std::vector<ScanMode> RplidarDevice::modes_by_conf() {
 }
 
 std::vector<ScanMode> RplidarDevice::scan_modes(const RplidarInfo& info) {
-  if (info.firmware_at_least(1, 24)) {
+  // The firmware of C1 and S models counts from 1.00 and has always known GET_LIDAR_CONF.
+  if (info.series() >= 4 || info.firmware_at_least(1, 24)) {
     auto modes = modes_by_conf();
     if (!modes.empty()) return modes;
   }

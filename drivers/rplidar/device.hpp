@@ -19,7 +19,7 @@ struct DeviceError : std::runtime_error {
 
 // A way of scanning that the device offers and we can read.
 struct ScanMode {
-  std::string name;  // the device's own, or "Standard", "Express"
+  std::string name = "Standard";  // the device's own, or "Standard", "Express"
   ScanFormat format = ScanFormat::kStandard;
   std::uint8_t id = 0;            // EXPRESS_SCAN's working mode
   double sample_period_s = 5e-4;  // from one measurement to the next

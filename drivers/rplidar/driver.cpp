@@ -140,7 +140,7 @@ void RplidarDriver::bring_up() {
   port_->set_dtr(false);
   if (restart_asked_.exchange(false)) {
     device.reset();
-    std::this_thread::sleep_for(std::chrono::milliseconds(config_.reset_ms));
+    await_boot(&device);
   }
   device.stop();
   try {
@@ -163,18 +163,37 @@ void RplidarDriver::bring_up() {
   if (events_.on_mode) events_.on_mode(info_, mode_);
 }
 
+// An error stays until a RESET after its cause has gone.
 void RplidarDriver::check_health(RplidarDevice* device) {
-  const RplidarHealth health = device->health();
-  const std::string code = "error code " + std::to_string(health.error_code);
-  if (health.status == 0) return;
-  if (health.status == 1) {
-    trouble("the device warns of its health (" + code + "); it still scans", true);
-    return;
+  for (int resets = 0;; ++resets) {
+    const RplidarHealth health = device->health();
+    if (health.status == 0) return;
+    const std::string code = "error code " + std::to_string(health.error_code);
+    if (health.status == 1) {
+      trouble("the device warns of its health (" + code + "); it still scans", true);
+      return;
+    }
+    const std::string why = "the device is in protection stop (health " +
+                            std::to_string(health.status) + ", " + code +
+                            "); RESET sent. If it stays: is the turning part blocked?";
+    if (resets == 2) throw DeviceError(why);
+    trouble(port_->path() + ": " + why, false);
+    device->reset();
+    await_boot(device);
   }
-  device->reset();
-  std::this_thread::sleep_for(std::chrono::milliseconds(config_.reset_ms));
-  throw DeviceError("the device is in protection stop (health " + std::to_string(health.status) +
-                    ", " + code + "); RESET sent. If it stays: is the turning part blocked?");
+}
+
+void RplidarDriver::await_boot(RplidarDevice* device) {
+  const Us deadline_us = steady_us() + config_.boot_ms * 1000LL;
+  std::this_thread::sleep_for(std::chrono::milliseconds(kReadMs));
+  for (;;) {
+    try {
+      device->info();
+      return;
+    } catch (const DeviceError&) {
+      if (steady_us() > deadline_us) throw;
+    }
+  }
 }
 
 void RplidarDriver::scan(const std::atomic<bool>& stop) {

@@ -20,6 +20,9 @@ constexpr double kLargestStepDeg = 180.0;
 constexpr double kStepGrowth = 1.6;
 constexpr std::size_t kMostPending = 32'768;  // samples: 4 s of the fastest device
 constexpr std::size_t kFewest = 8;
+// A byte too few or too many is seen one to three nodes later: a turn is handed out when so many
+// samples behind it fit.
+constexpr std::size_t kConfirmation = 8;
 
 // -180 to 180.
 double wrap_deg(double angle_deg) { return std::remainder(angle_deg, 360.0); }
@@ -67,6 +70,8 @@ void ScanParser::lose_framing() {
   if (framed_) ++counters_.bad_packets;
   framed_ = false;
   turn_damaged_ = true;
+  if (finished_) ++counters_.damaged;
+  finished_.reset();
   capsule_.reset();
   last_step_deg_ = 0.0;
   clock_.restart();
@@ -152,7 +157,7 @@ void ScanParser::add_capsules(double end_us, std::vector<Revolution>* revolution
 void ScanParser::add_sample(bool turn_begins, const Measurement& measurement,
                             std::vector<Revolution>* revolutions) {
   if (turn_begins) {
-    if (turn_begun_) finish_turn(revolutions);
+    if (turn_begun_) finish_turn();
     turn_.measurements.clear();
     turn_begun_ = true;
     turn_damaged_ = false;
@@ -168,9 +173,14 @@ void ScanParser::add_sample(bool turn_begins, const Measurement& measurement,
   if (!turn_.measurements.empty())
     turned_deg_ += wrap_deg(measurement.angle_deg - turn_.measurements.back().angle_deg);
   turn_.measurements.push_back(measurement);
+  if (!finished_ || turn_.measurements.size() < kConfirmation) return;
+  ++counters_.revolutions;
+  revolutions->push_back(std::move(*finished_));
+  finished_.reset();
 }
 
-void ScanParser::finish_turn(std::vector<Revolution>* revolutions) {
+void ScanParser::finish_turn() {
+  finished_.reset();
   if (turn_damaged_) {
     ++counters_.damaged;
     return;
@@ -179,9 +189,8 @@ void ScanParser::finish_turn(std::vector<Revolution>* revolutions) {
     ++counters_.incomplete;
     return;
   }
-  ++counters_.revolutions;
   turn_.period_s = sample_period_s_ * static_cast<double>(turn_.measurements.size());
-  revolutions->push_back(turn_);
+  finished_ = turn_;
 }
 
 }  // namespace fusion_slam

@@ -60,7 +60,7 @@ class ScanParser {
   double packet_end_us(double end_us) const;
   void add_sample(bool turn_begins, const Measurement& measurement,
                   std::vector<Revolution>* revolutions);
-  void finish_turn(std::vector<Revolution>* revolutions);
+  void finish_turn();
 
   ScanFormat format_;
   double sample_period_s_;
@@ -77,6 +77,7 @@ class ScanParser {
   double last_step_deg_ = 0.0;      // from capsule to capsule; 0: unknown
   double last_raw_deg_ = 0.0;
 
+  std::optional<Revolution> finished_;  // handed out when what follows it fits
   Revolution turn_;
   bool turn_begun_ = false;
   bool turn_damaged_ = false;
