@@ -1,5 +1,7 @@
 #include "libs/session/map_collection.hpp"
 
+#include <utility>
+
 #include "libs/octree/octomap_tile.hpp"
 
 namespace fusion_slam {
@@ -40,13 +42,17 @@ bool decodable(const Tile& tile) {
 
 }  // namespace
 
-MapCollection::Channel* MapCollection::channel(const std::string& name) {
+const MapCollection::Channel* MapCollection::channel(const std::string& name) const {
   if (name == "GRID_FUSED") return &fused_;
   if (name == "GRID_LIDAR") return &lidar_;
   if (name == "GRID_VISUAL") return &visual_;
   if (name == "OCTOMAP") return &octomap_;
   if (name == "CLOUD") return &cloud_;
   return nullptr;
+}
+
+MapCollection::Channel* MapCollection::channel(const std::string& name) {
+  return const_cast<Channel*>(std::as_const(*this).channel(name));
 }
 
 // An empty tile is kept as such, so that a late older revision of it can't come back.
@@ -62,28 +68,34 @@ void MapCollection::add(const std::string& name, const Tile& tile) {
   (*tiles)[tile.key] = tile;
 }
 
-std::optional<MapRaster> MapCollection::grid(std::string* source, std::string* why) const {
-  struct Choice {
-    const char* name;
-    const Channel& tiles;
-    Provenance sensor;
-  };
-  *why = "no grid tile came";
-  for (const Choice& choice : {Choice{"GRID_FUSED", fused_, Provenance::kNone},
-                               Choice{"GRID_LIDAR", lidar_, Provenance::kLidar},
-                               Choice{"GRID_VISUAL", visual_, Provenance::kCamera}}) {
-    std::map<TileIndex, FusedCells> cells;
-    double resolution_m = 0.0;
-    for (const auto& [key, tile] : choice.tiles) {
-      const auto decoded = decode_grid(tile, choice.sensor);
-      if (!decoded || (resolution_m > 0.0 && tile.resolution_m != resolution_m)) continue;
-      resolution_m = tile.resolution_m;
-      cells[{key.x, key.y}] = *decoded;
-    }
-    if (cells.empty()) continue;
-    *source = choice.name;
-    if (auto raster = make_raster(cells, resolution_m, why)) return raster;
+std::optional<MapRaster> MapCollection::grid_of(const std::string& name, std::string* why) const {
+  *why = "no " + name + " tile came";
+  const Channel* tiles = channel(name);
+  if (tiles == nullptr) return std::nullopt;
+  const Provenance sensor = name == "GRID_LIDAR"    ? Provenance::kLidar
+                            : name == "GRID_VISUAL" ? Provenance::kCamera
+                                                    : Provenance::kNone;
+  std::map<TileIndex, FusedCells> cells;
+  double resolution_m = 0.0;
+  for (const auto& [key, tile] : *tiles) {
+    const auto decoded = decode_grid(tile, sensor);
+    if (!decoded || (resolution_m > 0.0 && tile.resolution_m != resolution_m)) continue;
+    resolution_m = tile.resolution_m;
+    cells[{key.x, key.y}] = *decoded;
   }
+  if (cells.empty()) return std::nullopt;
+  return make_raster(cells, resolution_m, why);
+}
+
+std::optional<MapRaster> MapCollection::grid(std::string* source, std::string* why) const {
+  std::string first_why = "no grid tile came";
+  for (const char* name : {"GRID_FUSED", "GRID_LIDAR", "GRID_VISUAL"}) {
+    if (channel(name)->empty()) continue;
+    *source = name;
+    if (auto raster = grid_of(name, why)) return raster;
+    first_why = *why;
+  }
+  *why = first_why;
   return std::nullopt;
 }
 

@@ -21,6 +21,8 @@ class MapCollection {
   // The best grid there is: fused, else LiDAR's, else camera's. `source` is its channel. Nothing,
   // with a reason, when there is none.
   std::optional<MapRaster> grid(std::string* source, std::string* why) const;
+  // GRID_FUSED, GRID_LIDAR or GRID_VISUAL as it is. Nothing, with a reason, when no cell is known.
+  std::optional<MapRaster> grid_of(const std::string& channel, std::string* why) const;
   std::vector<ColouredPoint> cloud() const;  // tile by tile in key order
   const std::map<TileKey, Tile>& octomap() const { return octomap_; }
   std::size_t damaged_tiles() const { return damaged_; }
@@ -28,6 +30,7 @@ class MapCollection {
  private:
   using Channel = std::map<TileKey, Tile>;
   Channel* channel(const std::string& name);
+  const Channel* channel(const std::string& name) const;
 
   Channel fused_;
   Channel lidar_;

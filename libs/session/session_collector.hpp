@@ -73,11 +73,11 @@ class SessionCollector {
   void on_tile(const std::string& channel, const tile_t& message);
   void on_status(const status_t& message);
 
-  // Writes trajectory.tum, live.tum, groundtruth.tum, map.pgm, map.yaml, map.png, octomap.bt,
-  // cloud.ply into a directory (made when needed): each whole or not at all, what has no content is
-  // left out and named in the result. May be called at any time and again. Throws
-  // std::runtime_error when the directory or a file can't be written. Byte-identical for equal
-  // final state.
+  // Writes trajectory.tum, live.tum, groundtruth.tum, map.pgm, map.yaml, map.png,
+  // lidar_map.pgm, lidar_map.yaml, visual_map.pgm, visual_map.yaml, octomap.bt, cloud.ply into a
+  // directory (made when needed): each whole or not at all, what has no content is left out and
+  // named in the result. May be called at any time and again. Throws std::runtime_error when the
+  // directory or a file can't be written. Byte-identical for equal final state.
   SessionResult write(const std::filesystem::path& directory) const;
 
   const std::optional<RobotModel>& robot() const { return robot_; }

@@ -1,6 +1,7 @@
 // SessionCollector::write(): one file after the other.
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "libs/evaluation/tum_file.hpp"
 #include "libs/maps/atomic_file.hpp"
@@ -86,6 +87,18 @@ void write_maps(const MapCollection& maps, const std::vector<FinalPose>& way, Ou
     measure_areas(*raster, result);
   } else {
     for (const char* name : {"map.pgm", "map.yaml", "map.png"}) output->leave_out(name, why);
+  }
+  // What each sensor alone would have given: to see, and to score, what fusion is good for.
+  for (const auto& [name, channel] :
+       {std::pair("lidar_map", "GRID_LIDAR"), std::pair("visual_map", "GRID_VISUAL")}) {
+    const std::string pgm = std::string(name) + ".pgm", yaml = std::string(name) + ".yaml";
+    if (const auto raster = maps.grid_of(channel, &why)) {
+      output->write(pgm, pgm_bytes(*raster));
+      output->write(yaml, map_yaml(*raster, pgm));
+    } else {
+      output->leave_out(pgm, why);
+      output->leave_out(yaml, why);
+    }
   }
   if (const auto octomap = octomap_bt_bytes(maps.octomap(), &why))
     output->write("octomap.bt", *octomap);

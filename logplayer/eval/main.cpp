@@ -1,5 +1,5 @@
-// eval: scores a trajectory against a reference trajectory or verified relations. See
-// docs/evaluation.md.
+// eval: scores a trajectory against a reference trajectory or verified relations, and a map against
+// a reference map. See docs/evaluation.md.
 #include <exception>
 #include <iostream>
 

@@ -96,7 +96,8 @@ void add_relations_options(CLI::App& app, EvalOptions& options) {
 
 int parse_command_line(int argc, char** argv, EvalOptions& options) {
   CLI::App app(
-      "How good is a trajectory? Errors as the evo tool defines them, and how much was covered.",
+      "How good is a trajectory, how good a map? Errors as the evo tool defines them, and how much "
+      "was covered.",
       "eval");
   app.require_subcommand(1);
   app.footer(
@@ -109,6 +110,11 @@ int parse_command_line(int argc, char** argv, EvalOptions& options) {
   CLI::App* relations = app.add_subcommand(
       "relations",
       "error of verified relative poses (Kuemmerle et al. 2009); needs no reference trajectory");
+  CLI::App* map = app.add_subcommand(
+      "map",
+      "an occupancy map against a reference map: precision, recall, free space, by obstacle");
+  add_map_options(*map, options.map);
+  map->add_option("--json", options.map.json, "write all numbers to this file")->type_name("FILE");
   std::vector<double> window;
   add_trajectory_options(*ape, options, window);
   add_trajectory_options(*rpe, options, window);
@@ -129,6 +135,7 @@ int parse_command_line(int argc, char** argv, EvalOptions& options) {
   }
   options.task = ape->parsed()   ? EvalTask::kApe
                  : rpe->parsed() ? EvalTask::kRpe
+                 : map->parsed() ? EvalTask::kMap
                                  : EvalTask::kRelations;
   return -1;
 }

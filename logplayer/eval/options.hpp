@@ -6,10 +6,11 @@
 
 #include "libs/evaluation/relations.hpp"
 #include "libs/evaluation/trajectory_error.hpp"
+#include "logplayer/eval/map_task.hpp"
 
 namespace fusion_slam {
 
-enum class EvalTask { kApe, kRpe, kRelations };
+enum class EvalTask { kApe, kRpe, kRelations, kMap };
 
 struct EvalOptions {
   EvalTask task = EvalTask::kApe;
@@ -18,6 +19,7 @@ struct EvalOptions {
   EvaluationOptions evaluation;
   RelativeOptions relative;
   RelationsOptions relations;
+  MapTaskOptions map;          // with its own files
   std::filesystem::path json;  // empty: none
   std::filesystem::path plot;  // empty: none
 };

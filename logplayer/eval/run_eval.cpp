@@ -55,6 +55,7 @@ int run_trajectory_error(const EvalOptions& options) {
 }  // namespace
 
 int run_eval(const EvalOptions& options) {
+  if (options.task == EvalTask::kMap) return run_map_task(options.map);
   return options.task == EvalTask::kRelations ? run_relations(options)
                                               : run_trajectory_error(options);
 }

@@ -138,8 +138,10 @@ void write_metrics(const RunOptions& options, const Outcome& outcome) {
 // What an earlier run left would pass for this one's. Never what this one reads.
 void remove_results(const RunOptions& options) {
   std::vector<std::filesystem::path> results;
-  for (const char* name : {"trajectory.tum", "live.tum", "groundtruth.tum", "map.pgm", "map.yaml",
-                           "map.png", "octomap.bt", "cloud.ply", "metrics.json", "session.lcmlog"})
+  for (const char* name :
+       {"trajectory.tum", "live.tum", "groundtruth.tum", "map.pgm", "map.yaml", "map.png",
+        "lidar_map.pgm", "lidar_map.yaml", "visual_map.pgm", "visual_map.yaml", "octomap.bt",
+        "cloud.ply", "metrics.json", "session.lcmlog"})
     results.push_back(options.out / name);
   for (const auto& result : results)
     for (const auto& input : {options.log, options.relations})

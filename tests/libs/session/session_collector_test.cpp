@@ -68,6 +68,11 @@ void feed(SessionCollector* session) {
 void feed_maps(SessionCollector* session) {
   session->on_tile("GRID_FUSED", fused_tile(2, 0.9));
   session->on_tile("GRID_FUSED", fused_tile(1, 0.1));  // late and old
+  for (const char* channel : {"GRID_LIDAR", "GRID_VISUAL"}) {
+    TileCells cells{};
+    cells[0] = cell_from_probability(channel[5] == 'L' ? 0.9 : 0.1);
+    session->on_tile(channel, encode_grid_tile({0, 0, 0, 0}, cells, 0.05, 1, 0));
+  }
   VoxelCells voxels;
   voxels.fill(kUnknownVoxel);
   voxels[5] = 64;
@@ -96,7 +101,7 @@ TEST(SessionCollector, WhatIsNotThereIsNamed) {
   const auto directory = scratch();
   const SessionResult result = session.write(directory);
   EXPECT_EQ(result.files, (std::vector<std::string>{"trajectory.tum", "live.tum"}));
-  ASSERT_EQ(result.missing.size(), 6U);
+  ASSERT_EQ(result.missing.size(), 10U);
   for (const MissingFile& missing : result.missing) {
     EXPECT_FALSE(missing.reason.empty());
     EXPECT_FALSE(std::filesystem::exists(directory / missing.name)) << missing.name;
@@ -107,7 +112,7 @@ TEST(SessionCollector, WhatIsNotThereIsNamed) {
 TEST(SessionCollector, NothingAtAllIsAResult) {
   const SessionResult result = SessionCollector().write(scratch());
   EXPECT_TRUE(result.files.empty());
-  EXPECT_EQ(result.missing.size(), 8U);
+  EXPECT_EQ(result.missing.size(), 12U);
   EXPECT_EQ(result.coverage_percent, 0.0);
 }
 
@@ -120,8 +125,14 @@ TEST(SessionCollector, AllFilesTwiceTheSameBytes) {
   const SessionResult result = session.write(directory / "a");
   session.write(directory / "b");
   session.write(directory / "b");  // and over itself
-  ASSERT_EQ(result.files.size(), 8U);
+  ASSERT_EQ(result.files.size(), 12U);
   EXPECT_TRUE(result.missing.empty());
+  const std::string lidar = read_bytes(directory / "a" / "lidar_map.pgm");
+  EXPECT_EQ(lidar.substr(lidar.size() - 9), std::string("1 1\n255\n\0", 9));
+  const std::string visual = read_bytes(directory / "a" / "visual_map.pgm");
+  EXPECT_EQ(visual.substr(visual.size() - 9), "1 1\n255\n\xFE");
+  EXPECT_NE(read_bytes(directory / "a" / "visual_map.yaml").find("image: visual_map.pgm"),
+            std::string::npos);
   EXPECT_EQ(result.map_source, "GRID_FUSED");
   EXPECT_EQ(result.cloud_points, 1U);
   EXPECT_NEAR(result.occupied_area_m2, 0.0025, 1e-12);
