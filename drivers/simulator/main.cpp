@@ -8,14 +8,18 @@
 
 #include "drivers/simulator/arguments.hpp"
 #include "drivers/simulator/recording.hpp"
+#include "drivers/simulator/truth_files.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app("Writes the LCM log of a simulated robot's drive, with exact ground truth",
                "simulate");
   fusion_slam::SimulationArguments arguments;
-  std::string out;
+  std::string out, truth;
   fusion_slam::add_simulation_arguments(app, &arguments);
   app.add_option("--out", out, "the LCM log to write")->required();
+  app.add_option(
+      "--truth", truth,
+      "directory for the true map: map.yaml, classes.pgm (for `eval map`), surfaces.ply");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -26,6 +30,9 @@ int main(int argc, char** argv) {
     for (const std::string& warning : input.world.warnings)
       std::cerr << "simulate: " << warning << "\n";
     const fusion_slam::Simulation simulation(input.world, input.route, input.options);
+    if (!truth.empty())
+      fusion_slam::write_truth(input.world, simulation.way_points_m(), simulation.robot(),
+                               simulation.robot().map_resolution_m, truth);
     const bool terminal = isatty(2) != 0;
     const auto progress = [terminal](std::int64_t done, std::int64_t of) {
       if (done == of || done % (terminal ? 15 : 300) == 0)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "libs/maps/atomic_file.hpp"
@@ -20,6 +21,29 @@ ColouredPoint point_of(const Eigen::Vector3d& p_m, ObstacleClass obstacle) {
       {160, 160, 160}, {90, 90, 90}, {0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {230, 159, 0}};
   const auto& rgb = kRgb[static_cast<std::size_t>(obstacle)];
   return {p_m.cast<float>(), rgb[0], rgb[1], rgb[2]};
+}
+
+// A whole model that is lower than the LiDAR's plane is a low box, unless its class is known.
+std::vector<TruthTriangle> triangles_of(const std::vector<Mesh>& meshes,
+                                        const TruthOptions& options) {
+  std::map<std::string, float> tops_m;
+  for (const Mesh& mesh : meshes)
+    for (const Eigen::Vector3f& v : mesh.vertices_m) {
+      const auto top = tops_m.emplace(mesh.name, v.z()).first;
+      top->second = std::max(top->second, v.z());
+    }
+  std::vector<TruthTriangle> triangles;
+  for (const Mesh& mesh : meshes) {
+    ObstacleClass obstacle = mesh.obstacle;
+    if (obstacle == ObstacleClass::kOther &&
+        tops_m[mesh.name] < static_cast<float>(options.lidar_height_m))
+      obstacle = ObstacleClass::kLowBox;
+    for (const auto& [a, b, c] : mesh.triangles)
+      triangles.push_back({{mesh.vertices_m[a].cast<double>(), mesh.vertices_m[b].cast<double>(),
+                            mesh.vertices_m[c].cast<double>()},
+                           obstacle});
+  }
+  return triangles;
 }
 
 // Middles of n equal parts of [0, 1].
@@ -88,7 +112,7 @@ TruthMap write_truth(const World& world, const std::vector<Eigen::Vector2d>& rou
     throw std::runtime_error("the true map needs a route: its start says what is inside");
   TruthOptions options = truth_options_for(robot);
   options.resolution_m = resolution_m;
-  const std::vector<TruthTriangle> triangles;
+  const std::vector<TruthTriangle> triangles = triangles_of(world.meshes, options);
   TruthMap map = make_truth_map(world.boxes, triangles, route_m.front(), options);
   std::filesystem::create_directories(directory);
   write_file_atomically(directory / "map.pgm", pgm_bytes(map.raster));
@@ -96,7 +120,7 @@ TruthMap write_truth(const World& world, const std::vector<Eigen::Vector2d>& rou
   write_file_atomically(directory / "classes.pgm", class_pgm_bytes(map));
   write_file_atomically(directory / "map.png", map_png_bytes(map.raster, route_m));
   write_file_atomically(directory / "surfaces.ply",
-                        ply_bytes(sample_surfaces(world.boxes, triangles, 0.5 * resolution_m)));
+                        ply_bytes(sample_surfaces(world.boxes, triangles, resolution_m)));
   return map;
 }
 

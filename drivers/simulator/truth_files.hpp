@@ -26,7 +26,7 @@ std::string class_pgm_bytes(const TruthMap& map);
 //   map.pgm, map.yaml  what a robot of this height and floor clearance would hit (truth_map.hpp)
 //   classes.pgm        the obstacle class of each occupied cell
 //   map.png            for people, with the route
-//   surfaces.ply       sample_surfaces() at half the resolution
+//   surfaces.ply       sample_surfaces() at the resolution
 // The route's first way point is where the robot starts. Throws std::runtime_error: it starts in an
 // obstacle, or a file can't be written.
 TruthMap write_truth(const World& world, const std::vector<Eigen::Vector2d>& route_m,
