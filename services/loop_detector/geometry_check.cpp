@@ -10,7 +10,7 @@ namespace fusion_slam {
 namespace {
 
 Correspondence correspond(const CameraModel& camera, const Feature& older, const Feature& newer,
-                          const LoopDetectorConfig& config) {
+                          const GeometryConfig& config) {
   Correspondence c;
   c.p_reference = camera.unproject(older.u_px, older.v_px, older.depth_m);
   c.pixel = {newer.u_px, newer.v_px};
@@ -23,8 +23,7 @@ Correspondence correspond(const CameraModel& camera, const Feature& older, const
 }
 
 std::vector<Correspondence> by_descriptor(const CameraModel& camera, const FeatureSet& older,
-                                          const FeatureSet& newer,
-                                          const LoopDetectorConfig& config) {
+                                          const FeatureSet& newer, const GeometryConfig& config) {
   std::vector<float> angles_older;
   std::vector<float> angles_newer;
   for (const Feature& f : older.features) angles_older.push_back(f.angle_rad);
@@ -38,10 +37,14 @@ std::vector<Correspondence> by_descriptor(const CameraModel& camera, const Featu
   return result;
 }
 
+struct GuidedMatches {
+  std::vector<Correspondence> matches;
+  std::vector<std::pair<int, int>> features;  // (older, newer), one a match
+};
+
 // Each older feature with depth is looked for where the pose puts it; each newer one is used once.
-std::vector<Correspondence> guided(const CameraModel& camera, const FeatureSet& older,
-                                   const FeatureSet& newer, const SE3& T_older_newer,
-                                   const LoopDetectorConfig& config) {
+GuidedMatches guided(const CameraModel& camera, const FeatureSet& older, const FeatureSet& newer,
+                     const SE3& T_older_newer, const GeometryConfig& config) {
   const FeatureGrid grid(newer.features, camera.width_px, camera.height_px);
   const SE3 T_newer_older = T_older_newer.inverse();
   std::vector<Match> of_newer(newer.size(), Match{-1, 0, config.matching.max_distance + 1});
@@ -59,17 +62,19 @@ std::vector<Correspondence> guided(const CameraModel& camera, const FeatureSet& 
       if (distance < of_newer[j].distance) of_newer[j] = {static_cast<int>(i), j, distance};
     }
   }
-  std::vector<Correspondence> result;
-  for (const Match& m : of_newer)
-    if (m.a >= 0)
-      result.push_back(correspond(camera, older.features[m.a], newer.features[m.b], config));
+  GuidedMatches result;
+  for (const Match& m : of_newer) {
+    if (m.a < 0) continue;
+    result.matches.push_back(correspond(camera, older.features[m.a], newer.features[m.b], config));
+    result.features.emplace_back(m.a, m.b);
+  }
   return result;
 }
 
 }  // namespace
 
 GeometryCheck check_geometry(const CameraModel& camera, const FeatureSet& older,
-                             const FeatureSet& newer, const LoopDetectorConfig& config) {
+                             const FeatureSet& newer, const GeometryConfig& config) {
   GeometryCheck result;
   const std::vector<Correspondence> matches = by_descriptor(camera, older, newer, config);
   result.n_matches = static_cast<int>(matches.size());
@@ -78,12 +83,14 @@ GeometryCheck check_geometry(const CameraModel& camera, const FeatureSet& older,
   std::vector<Correspondence> agreed;
   for (const int i : found->inliers) agreed.push_back(matches[i]);
   const RefinedPose rough = refine_pose(camera, agreed, found->T_reference_camera, config.refine);
+  const GuidedMatches again = guided(camera, older, newer, rough.T_reference_camera, config);
   const RefinedPose fine =
-      refine_pose(camera, guided(camera, older, newer, rough.T_reference_camera, config),
-                  rough.T_reference_camera, config.refine);
+      refine_pose(camera, again.matches, rough.T_reference_camera, config.refine);
   result.n_inliers = fine.n_inliers;
   result.T_older_newer = fine.T_reference_camera;
   result.covariance = fine.covariance;
+  for (std::size_t i = 0; i < again.features.size(); ++i)
+    if (fine.inlier[i]) result.same.push_back(again.features[i]);
   return result;
 }
 

@@ -1,6 +1,9 @@
 // Stage 2: is there one rigid motion that puts the features of two keyframes on top of each other?
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "libs/camera/camera_model.hpp"
 #include "libs/features/feature.hpp"
 #include "libs/geometry/pose.hpp"
@@ -13,11 +16,12 @@ struct GeometryCheck {
   int n_inliers = 0;
   SE3 T_older_newer = SE3::Identity();         // camera to camera
   Matrix6d covariance = Matrix6d::Identity();  // of it, in the newer camera's axes
+  std::vector<std::pair<int, int>> same;       // inliers: (feature of the older, of the newer)
 };
 
 // Matches by descriptor, RANSAC, search again around the pose found, refinement. n_inliers 0: no
 // pose. Deterministic.
 GeometryCheck check_geometry(const CameraModel& camera, const FeatureSet& older,
-                             const FeatureSet& newer, const LoopDetectorConfig& config);
+                             const FeatureSet& newer, const GeometryConfig& config);
 
 }  // namespace fusion_slam

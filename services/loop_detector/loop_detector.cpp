@@ -1,112 +1,127 @@
 #include "services/loop_detector/loop_detector.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <iterator>
-
-#include "libs/features/pose_refiner.hpp"
-#include "services/loop_detector/geometry_check.hpp"
+#include <utility>
 
 namespace fusion_slam {
-namespace {
 
-constexpr std::uint32_t kIndexSeed = 20251;  // any; the same in every run
+LoopDetector::LoopDetector(const RobotModel& robot, const LoopDetectorConfig& config)
+    : robot_(robot),
+      config_(config),
+      places_(config.appearance),
+      graph_(robot.planar, config.noise),
+      consistency_(config.consistency) {}
 
-}  // namespace
-
-LoopDetector::LoopDetector(const CameraModel& camera, const SE3& T_base_camera,
-                           const LoopDetectorConfig& config)
-    : config_(config),
-      camera_(camera),
-      T_base_camera_(T_base_camera),
-      index_(config.index_tables, config.index_key_bits, kIndexSeed) {}
+void LoopDetector::set_camera(const CameraModel& camera) {
+  if (!camera_) camera_ = camera;
+}
 
 std::vector<LoopCandidate> LoopDetector::add(LoopKeyframe keyframe) {
   if (!keyframes_.empty() && keyframe.id <= keyframes_.rbegin()->first) return {};
-  admit(keyframe);
-  std::vector<LoopCandidate> candidates;
-  for (const Place& place : similar_places(keyframe.features))
-    candidates.push_back(examine(place, keyframe));
+  ++counts_.keyframes;
+  graph_.add(keyframe);
+  std::vector<LoopCandidate> decided = consistency_.expired(keyframe.utime_us, false);
+  places_.add(keyframe.id, keyframe.utime_us, keyframe.features);
+  if (camera_)
+    for (const PlaceIndex::Place& place : places_.like(keyframe.features))
+      for (LoopCandidate& candidate : examine(place, keyframe))
+        decided.push_back(std::move(candidate));
   const std::int64_t id = keyframe.id;
-  waiting_.push_back(id);
   keyframes_.emplace(id, std::move(keyframe));
-  return candidates;
+  return settle(std::move(decided));
 }
 
-void LoopDetector::moved(std::int64_t keyframe_id, const SE3& T_map_base) {
-  T_map_base_[keyframe_id] = T_map_base;
+std::vector<LoopCandidate> LoopDetector::add(LoopScan scan) {
+  if (scan.id <= last_scan_) return {};
+  last_scan_ = scan.id;
+  ++counts_.scans;
+  graph_.add(scan);
+  submaps_.add_scan(scan);
+  scans_[scan.id] = scan.points_base;
+  if (scans_.size() > config_.latest_scans) scans_.erase(scans_.begin());
+  std::vector<LoopCandidate> decided = consistency_.expired(scan.utime_us, false);
+  if (due(scan))
+    for (const Target& target : targets(scan))
+      for (LoopCandidate& candidate : search(scan, target)) decided.push_back(std::move(candidate));
+  return settle(std::move(decided));
 }
 
-// Keyframes become places when they are old enough, so that the newest never drown the others'
-// votes.
-void LoopDetector::admit(const LoopKeyframe& newest) {
-  while (waiting_.size() >= static_cast<std::size_t>(config_.not_before_keyframes)) {
-    const LoopKeyframe& oldest = keyframes_.at(waiting_.front());
-    if (newest.utime_us - oldest.utime_us < config_.not_before_us) return;
-    for (const Descriptor& d : oldest.features.descriptors)
-      index_.add(d, static_cast<int>(oldest.id));
-    waiting_.pop_front();
-  }
+std::vector<LoopCandidate> LoopDetector::finish() { return settle(consistency_.expired(0, true)); }
+
+void LoopDetector::switched_off(const NodeId& from, const NodeId& to) {
+  graph_.remove_loop(from, to);
+  consistency_.forget(from, to);
 }
 
-// Each feature gives one vote to every place that has one like it.
-std::vector<LoopDetector::Place> LoopDetector::similar_places(const FeatureSet& set) const {
-  std::map<int, int> votes;
-  for (const Descriptor& d : set.descriptors) {
-    int last = -1;  // neighbours come in the order they were added: those of a place together
-    for (const LshIndex::Near& n : index_.near(d, config_.max_distance)) {
-      if (n.label != last) ++votes[n.label];
-      last = n.label;
-    }
-  }
-  std::vector<Place> places;
-  for (const auto& [id, count] : votes)
-    if (count >= config_.min_votes * static_cast<double>(set.size())) places.push_back({id, count});
-  std::stable_sort(places.begin(), places.end(),
-                   [](const Place& a, const Place& b) { return a.votes > b.votes; });
-  if (places.size() > static_cast<std::size_t>(config_.max_candidates))
-    places.resize(config_.max_candidates);
-  return places;
-}
-
-LoopCandidate LoopDetector::examine(const Place& place, const LoopKeyframe& keyframe) const {
+// Stages 2 to 4 of a place that looks like this one.
+std::vector<LoopCandidate> LoopDetector::examine(const PlaceIndex::Place& place,
+                                                 const LoopKeyframe& keyframe) {
   LoopCandidate candidate;
-  candidate.from_id = place.id;
-  candidate.to_id = keyframe.id;
+  candidate.from = {NodeKind::kKeyframe, place.id};
+  candidate.to = {NodeKind::kKeyframe, keyframe.id};
   candidate.utime_us = keyframe.utime_us;
-  candidate.stages.push_back({"appearance",
-                              place.votes / static_cast<double>(keyframe.features.size()),
-                              config_.min_votes, true, "share of features seen there"});
+  candidate.stages.push_back({"appearance", place.share, config_.appearance.min_votes, true,
+                              "share of the features asked that were seen there"});
 
   const LoopKeyframe& older = keyframes_.at(place.id);
-  const GeometryCheck check = check_geometry(camera_, older.features, keyframe.features, config_);
-  const double apart_m =
-      (T_map_base(older).translation() - T_map_base(keyframe).translation()).norm();
-  const bool fits = check.n_inliers >= config_.min_inliers;
-  char reason[160];
-  std::snprintf(reason, sizeof reason, "%d matches, %d agree on one motion; %.2f m apart so far",
-                check.n_matches, check.n_inliers, apart_m);
+  const GeometryCheck check =
+      check_geometry(*camera_, older.features, keyframe.features, config_.geometry);
+  const bool fits = check.n_inliers >= config_.geometry.min_inliers;
   candidate.stages.push_back({"geometry", static_cast<double>(check.n_inliers),
-                              static_cast<double>(config_.min_inliers), fits, reason});
-  if (fits) {
-    candidate.T_from_to = T_base_camera_ * check.T_older_newer * T_base_camera_.inverse();
-    candidate.covariance = in_base_axes(check.covariance, T_base_camera_);
+                              static_cast<double>(config_.geometry.min_inliers), fits,
+                              std::to_string(check.n_matches) + " matches, " +
+                                  std::to_string(check.n_inliers) + " agree on one motion"});
+  if (!fits) return weigh(std::move(candidate), 0);
+
+  LoopMeasurement visual;
+  visual.from = candidate.from;
+  visual.to = candidate.to;
+  visual.T_from_to = robot_.T_base_camera * check.T_older_newer * robot_.T_base_camera.inverse();
+  visual.covariance =
+      config_.geometry.optimism * in_base_axes(check.covariance, robot_.T_base_camera);
+  visual.same_features = check.same;
+  visual.by = "visual loop";
+  candidate.measurements.push_back(visual);
+
+  LidarOpinion opinion = LidarOpinion::kNothing;
+  candidate.stages.push_back(verify_by_lidar(older, keyframe, &candidate, &opinion));
+  if (opinion == LidarOpinion::kNowhere) return weigh(std::move(candidate), 0);
+  const ConsistencyConfig& need = config_.consistency;
+  if (opinion == LidarOpinion::kFits) {
+    candidate.source = LoopSource::kBoth;
+    return weigh(std::move(candidate), need.both_sensors_alike);
   }
-  candidate.stages.push_back({"lidar", 0.0, 0.0, false, "not run in this version"});
-  candidate.stages.push_back({"consistency", 0.0, 0.0, false, "not run in this version"});
-  candidate.accepted = fits && config_.accept_without_lidar;
-  return candidate;
+  const bool sure = check.n_inliers >= need.vision_sure_inliers && !robot_.has_lidar;
+  return weigh(std::move(candidate), sure ? 1 : need.vision_alike);
 }
 
-// As the graph has it; where it has not (yet), odometry from the newest keyframe that it has.
-SE3 LoopDetector::T_map_base(const LoopKeyframe& keyframe) const {
-  const auto known = T_map_base_.upper_bound(keyframe.id);
-  if (known == T_map_base_.begin()) return keyframe.T_odom_base;
-  const auto& [id, T_map_known] = *std::prev(known);
-  if (id == keyframe.id) return T_map_known;
-  const auto anchor = keyframes_.find(id);
-  if (anchor == keyframes_.end()) return keyframe.T_odom_base;
-  return T_map_known * anchor->second.T_odom_base.inverse() * keyframe.T_odom_base;
+// Stage 4. `alike` 0: an earlier stage has failed.
+std::vector<LoopCandidate> LoopDetector::weigh(LoopCandidate candidate, int alike) {
+  ++counts_.candidates;
+  if (candidate.stages.size() == 2)
+    candidate.stages.push_back({"lidar", 0.0, 0.0, false, "not asked: an earlier stage failed"});
+  if (alike == 0) {
+    candidate.stages.push_back(
+        {"consistency", 0.0, 0.0, false, "not asked: an earlier stage failed"});
+    return {candidate};
+  }
+  const Consistency::Gate gate = consistency_.gate(graph_, candidate.measurements.front());
+  candidate.stages.push_back(
+      {"consistency", gate.squared_distance, gate.threshold, gate.inside, gate.reason});
+  if (!gate.inside) return {candidate};
+  if (gate.sigma_m > config_.consistency.far_sigma_m) ++alike;
+  return consistency_.judge(graph_, std::move(candidate), alike);
+}
+
+// What was accepted is an edge of the graph from now on.
+std::vector<LoopCandidate> LoopDetector::settle(std::vector<LoopCandidate> decided) {
+  for (const LoopCandidate& candidate : decided) {
+    if (!candidate.accepted) continue;
+    ++counts_.accepted;
+    for (const LoopMeasurement& loop : candidate.measurements) graph_.add_loop(loop);
+  }
+  return decided;
 }
 
 }  // namespace fusion_slam

@@ -1,79 +1,89 @@
-// Says when the camera looks at a place it has seen before, in stages that each leave their
-// verdict. Knows no bus.
+// Says when a sensor is at a place where one has been before, in stages that each leave their
+// verdict: appearance and geometry (camera), lidar (branch-and-bound match of the scan with the
+// candidate's submap), consistency (with the graph's uncertainty and with other loops). The LiDAR
+// also searches by itself, in the window that the graph's uncertainty leaves open. Knows no bus.
+// Not thread-safe.
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libs/camera/camera_model.hpp"
-#include "libs/features/feature.hpp"
-#include "libs/features/lsh_index.hpp"
-#include "libs/geometry/pose.hpp"
+#include "libs/robot/robot_model.hpp"
 #include "services/loop_detector/config.hpp"
+#include "services/loop_detector/consistency.hpp"
+#include "services/loop_detector/geometry_check.hpp"
+#include "services/loop_detector/graph_knowledge.hpp"
+#include "services/loop_detector/lidar_check.hpp"
+#include "services/loop_detector/loop_types.hpp"
+#include "services/loop_detector/place_index.hpp"
+#include "services/loop_detector/submap_store.hpp"
 
 namespace fusion_slam {
 
-struct LoopKeyframe {
-  std::int64_t id = 0;
-  std::int64_t utime_us = 0;
-  SE3 T_odom_base = SE3::Identity();
-  FeatureSet features;  // ideal pixels
-};
-
-struct StageVerdict {
-  std::string stage;  // appearance, geometry, lidar, consistency
-  double score = 0.0;
-  double threshold = 0.0;
-  bool passed = false;
-  std::string reason;
-};
-
-struct LoopCandidate {
-  std::int64_t from_id = 0;  // the older keyframe
-  std::int64_t to_id = 0;    // the newer
-  std::int64_t utime_us = 0;
-  bool accepted = false;
-  std::vector<StageVerdict> stages;            // all four, in order
-  SE3 T_from_to = SE3::Identity();             // base to base; only when geometry passed
-  Matrix6d covariance = Matrix6d::Identity();  // of it, base axes
+struct LoopCounts {
+  std::int64_t keyframes = 0;
+  std::int64_t scans = 0;
+  std::int64_t lidar_searches = 0;
+  std::int64_t candidates = 0;
+  std::int64_t accepted = 0;
 };
 
 class LoopDetector {
  public:
-  LoopDetector(const CameraModel& camera, const SE3& T_base_camera,
-               const LoopDetectorConfig& config = {});
+  explicit LoopDetector(const RobotModel& robot, const LoopDetectorConfig& config = {});
 
-  // Looks for the places that this keyframe shows, then remembers it. Every place that passes the
-  // appearance stage is returned with its fate. A keyframe whose id is not above the last one's is
-  // ignored.
+  // Needed before keyframes can be compared; the first one stays.
+  void set_camera(const CameraModel& camera);
+
+  // Each returns the candidates whose fate is decided by now. A node whose id is not above the last
+  // one's of its kind is ignored.
   std::vector<LoopCandidate> add(LoopKeyframe keyframe);
+  std::vector<LoopCandidate> add(LoopScan scan);
+  std::vector<LoopCandidate> finish();  // those that still wait for others are rejected
 
-  // Where the graph has moved a keyframe to; for reasons in verdicts only, in this version.
-  void moved(std::int64_t keyframe_id, const SE3& T_map_base);
+  void add_tile(const Tile& tile) { submaps_.add_tile(tile); }
+  // Where the graph has a node.
+  void moved(const NodeId& id, const SE3& T_map_base) { graph_.moved(id, T_map_base); }
+  // The graph has switched a loop off.
+  void switched_off(const NodeId& from, const NodeId& to);
 
-  std::size_t n_keyframes() const { return keyframes_.size(); }
+  const LoopCounts& counts() const { return counts_; }
 
  private:
-  struct Place {
-    std::int64_t id = 0;
-    int votes = 0;
+  struct Target {  // a submap that may hold the place of a scan
+    std::int64_t submap_id = 0;
+    double distance_m = 0.0;
+    double window_m = 0.0;
+    double window_rad = 0.0;
+    bool capped = false;  // the graph knows less than the largest window
+    SE3 T_submap_base = SE3::Identity();
   };
 
-  void admit(const LoopKeyframe& newest);
-  std::vector<Place> similar_places(const FeatureSet& set) const;
-  LoopCandidate examine(const Place& place, const LoopKeyframe& keyframe) const;
-  SE3 T_map_base(const LoopKeyframe& keyframe) const;
+  std::vector<LoopCandidate> examine(const PlaceIndex::Place& place, const LoopKeyframe& keyframe);
+  StageVerdict verify_by_lidar(const LoopKeyframe& older, const LoopKeyframe& newer,
+                               LoopCandidate* candidate, LidarOpinion* opinion);
+  std::vector<Target> targets(const LoopScan& scan) const;
+  bool due(const LoopScan& scan);
+  std::vector<LoopCandidate> search(const LoopScan& scan, const Target& target);
+  std::vector<LoopCandidate> weigh(LoopCandidate candidate, int alike);
+  std::vector<LoopCandidate> settle(std::vector<LoopCandidate> decided);
 
+  RobotModel robot_;
   LoopDetectorConfig config_;
-  CameraModel camera_;
-  SE3 T_base_camera_;
-  LshIndex index_;
+  std::optional<CameraModel> camera_;
+  PlaceIndex places_;
+  GraphKnowledge graph_;
+  SubmapStore submaps_;
+  Consistency consistency_;
   std::map<std::int64_t, LoopKeyframe> keyframes_;
-  std::map<std::int64_t, SE3> T_map_base_;
-  std::deque<std::int64_t> waiting_;  // too young to be a place
+  std::map<std::int64_t, Points> scans_;  // points of the latest scans, for verification
+  std::int64_t last_scan_ = 0;
+  std::optional<SE3> T_odom_searched_;  // where the LiDAR searched last
+  LoopCounts counts_;
 };
 
 }  // namespace fusion_slam

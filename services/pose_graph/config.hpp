@@ -5,28 +5,17 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "libs/graph/edge_noise.hpp"
+
 namespace fusion_slam {
 
 struct PoseGraphConfig {
-  // Trackers report the noise of their matches. Their errors are biased, too (calibration, time
-  // stamps), and add up along the way instead of averaging out; without this factor a true loop
-  // after a long way would look impossible.
-  double tracker_optimism = 9.0;  // on a tracker's covariance: 3 times the standard deviation
-  // And this is added, so that no edge is perfect.
-  double floor_translation_m = 0.003;
-  double floor_rotation_rad = 0.001;
+  EdgeNoiseConfig noise;  // how far edges are believed
 
   // A planar robot's base stays on the floor. Wider for single nodes than one frame's noise, so
   // that a camera mounted a degree off bends nothing.
   double planar_z_m = 0.02;
   double planar_tilt_rad = 0.01;
-
-  // What a 2D scan says of z, roll and pitch from node to node: on a floor that they stay,
-  // otherwise nearly nothing (only enough to keep the equations regular).
-  double lidar_planar_z_m = 0.001;
-  double lidar_planar_tilt_rad = 0.001;
-  double lidar_free_z_m = 1.0;
-  double lidar_free_tilt_rad = 0.5;
 
   // Between two scans the robot may have accelerated this much: sets how far an interpolated pose
   // is trusted.
@@ -53,6 +42,14 @@ struct PoseGraphConfig {
   // Geman-McClure scale of a loop: squared error, in units of its covariance, where doubt begins;
   // 99 % of a chi-square with 6 degrees of freedom.
   double loop_chi2 = 16.8;
+
+  double quiet_chi2 = 1.0;       // a loop nearer than this to the graph can wait for company
+  int most_unsolved_loops = 20;  // but not for more than this
+  int quick_iterations = 5;      // of the solve between two messages
+  // The whole graph is solved anew in a thread of its own; its answer is taken over when the
+  // measurements are this much later, not before: the same place in every replay.
+  std::int64_t meet_after_us = 1'000'000;
+  int switch_off_after = 2;  // whole solves in a row that a loop did not fit
 
   std::size_t window_nodes = 20;   // newest nodes refined when the second sensor ties in
   std::size_t max_waiting = 4096;  // poses, nodes and loops that wait for a node that hasn't come

@@ -56,53 +56,67 @@ bool PoseManifold::MinusJacobian(const double*, double* jacobian) const {
   return true;
 }
 
-// With P = T_from^-1 T_to and E = M^-1 P (M measured), residual (t_E, log R_E):
+// With P = T_from^-1 T_to and E = M^-1 P (M measured), error (t_E, log R_E):
 //   to   -> to * Exp(d):   t_E += R_E dt,              log += Jr^-1 dr
 //   from -> from * Exp(d): t_E += R_M^T (-dt + [t_P] dr), log -= Jr^-1 R_P^T dr
-bool RelativePoseCost::Evaluate(const double* const* parameters, double* residuals,
-                                double** jacobians) const {
-  const SE3 P = from_block(parameters[0]).inverse() * from_block(parameters[1]);
-  const SE3 E = T_from_to_.inverse() * P;
+Vector6d relative_pose_error(const SE3& T_from, const SE3& T_to, const SE3& T_from_to,
+                             Matrix6d* J_from, Matrix6d* J_to) {
+  const SE3 P = T_from.inverse() * T_to;
+  const SE3 E = T_from_to.inverse() * P;
   Vector6d error;
   error << E.translation(), log_so3(E.linear());
+  if (J_from == nullptr || J_to == nullptr) return error;
+  const Eigen::Matrix3d Jr_inv = right_jacobian_inverse(error.tail<3>());
+  const Eigen::Matrix3d R_m_t = T_from_to.linear().transpose();
+  J_from->setZero();
+  J_from->topLeftCorner<3, 3>() = -R_m_t;
+  J_from->topRightCorner<3, 3>() = R_m_t * skew(P.translation());
+  J_from->bottomRightCorner<3, 3>() = -Jr_inv * P.linear().transpose();
+  J_to->setZero();
+  J_to->topLeftCorner<3, 3>() = E.linear();
+  J_to->bottomRightCorner<3, 3>() = Jr_inv;
+  return error;
+}
+
+bool RelativePoseCost::Evaluate(const double* const* parameters, double* residuals,
+                                double** jacobians) const {
+  Matrix6d J_from, J_to;
+  const Vector6d error = relative_pose_error(from_block(parameters[0]), from_block(parameters[1]),
+                                             T_from_to_, &J_from, &J_to);
   Eigen::Map<Vector6d>{residuals} = sqrt_information_ * error;
   if (jacobians == nullptr) return true;
-
-  const Eigen::Matrix3d Jr_inv = right_jacobian_inverse(error.tail<3>());
-  if (jacobians[0] != nullptr) {
-    const Eigen::Matrix3d R_m_t = T_from_to_.linear().transpose();
-    Matrix6d J = Matrix6d::Zero();
-    J.topLeftCorner<3, 3>() = -R_m_t;
-    J.topRightCorner<3, 3>() = R_m_t * skew(P.translation());
-    J.bottomRightCorner<3, 3>() = -Jr_inv * P.linear().transpose();
-    Eigen::Map<Jacobian7> out(jacobians[0]);
-    out.leftCols<6>() = sqrt_information_ * J;
-    out.col(6).setZero();
-  }
-  if (jacobians[1] != nullptr) {
-    Matrix6d J = Matrix6d::Zero();
-    J.topLeftCorner<3, 3>() = E.linear();
-    J.bottomRightCorner<3, 3>() = Jr_inv;
-    Eigen::Map<Jacobian7> out(jacobians[1]);
-    out.leftCols<6>() = sqrt_information_ * J;
+  const Matrix6d* J[2] = {&J_from, &J_to};
+  for (int i = 0; i < 2; ++i) {
+    if (jacobians[i] == nullptr) continue;
+    Eigen::Map<Jacobian7> out(jacobians[i]);
+    out.leftCols<6>() = sqrt_information_ * *J[i];
     out.col(6).setZero();
   }
   return true;
 }
 
+Eigen::Vector3d planar_residual(double sigma_z_m, double sigma_tilt_rad, const SE3& T_map_base,
+                                Eigen::Matrix<double, 3, 6>* J) {
+  const Eigen::Matrix3d R = T_map_base.linear();
+  if (J != nullptr) {
+    J->setZero();
+    J->block<1, 3>(0, 0) = R.row(2) / sigma_z_m;
+    const Eigen::Matrix3d d_up = -R * skew(Eigen::Vector3d::UnitZ());
+    J->block<2, 3>(1, 3) = d_up.topRows<2>() / sigma_tilt_rad;
+  }
+  return {T_map_base.translation().z() / sigma_z_m, R(0, 2) / sigma_tilt_rad,
+          R(1, 2) / sigma_tilt_rad};
+}
+
 bool PlanarCost::Evaluate(const double* const* parameters, double* residuals,
                           double** jacobians) const {
-  const SE3 T = from_block(parameters[0]);
-  const Eigen::Matrix3d R = T.linear();
-  residuals[0] = weight_z_ * T.translation().z();
-  residuals[1] = weight_tilt_ * R(0, 2);
-  residuals[2] = weight_tilt_ * R(1, 2);
+  Eigen::Matrix<double, 3, 6> J;
+  Eigen::Map<Eigen::Vector3d>{residuals} =
+      planar_residual(sigma_z_m_, sigma_tilt_rad_, from_block(parameters[0]), &J);
   if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-  Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>> J(jacobians[0]);
-  J.setZero();
-  J.block<1, 3>(0, 0) = weight_z_ * R.row(2);
-  const Eigen::Matrix3d d_up = -R * skew(Eigen::Vector3d::UnitZ());
-  J.block<2, 3>(1, 3) = weight_tilt_ * d_up.topRows<2>();
+  Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>> out(jacobians[0]);
+  out.leftCols<6>() = J;
+  out.col(6).setZero();
   return true;
 }
 

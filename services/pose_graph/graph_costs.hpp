@@ -29,6 +29,16 @@ class PoseManifold final : public ceres::Manifold {
   bool MinusJacobian(const double* x, double* jacobian) const override;
 };
 
+// local(T_from_to, T_from^-1 * T_to), and its derivatives by the increments of T_from and T_to
+// (both pointers or none).
+Vector6d relative_pose_error(const SE3& T_from, const SE3& T_to, const SE3& T_from_to,
+                             Matrix6d* J_from, Matrix6d* J_to);
+
+// (z / sigma_z, tilt of the up axis towards map x and y / sigma_tilt) of a pose that should be
+// level on the floor, and its derivative by the pose's increment.
+Eigen::Vector3d planar_residual(double sigma_z_m, double sigma_tilt_rad, const SE3& T_map_base,
+                                Eigen::Matrix<double, 3, 6>* J);
+
 // residual = S * local(T_from_to, T_from^-1 * T_to), S^T S = information.
 class RelativePoseCost final : public ceres::SizedCostFunction<6, 7, 7> {
  public:
@@ -42,17 +52,17 @@ class RelativePoseCost final : public ceres::SizedCostFunction<6, 7, 7> {
   Matrix6d sqrt_information_;
 };
 
-// residual = (z / sigma_z, tilt of the up axis towards map x and y / sigma_tilt).
+// residual = planar_residual().
 class PlanarCost final : public ceres::SizedCostFunction<3, 7> {
  public:
   PlanarCost(double sigma_z_m, double sigma_tilt_rad)
-      : weight_z_(1.0 / sigma_z_m), weight_tilt_(1.0 / sigma_tilt_rad) {}
+      : sigma_z_m_(sigma_z_m), sigma_tilt_rad_(sigma_tilt_rad) {}
   bool Evaluate(const double* const* parameters, double* residuals,
                 double** jacobians) const override;
 
  private:
-  double weight_z_;
-  double weight_tilt_;
+  double sigma_z_m_;
+  double sigma_tilt_rad_;
 };
 
 // Geman-McClure with graduated non-convexity (Yang et al. 2020): rho(s) = m s / (m + s), m = mu *

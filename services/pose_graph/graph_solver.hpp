@@ -2,7 +2,9 @@
 // wrong loops.
 #pragma once
 
+#include <cstddef>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "services/pose_graph/config.hpp"
@@ -14,6 +16,10 @@ struct SolveOptions {
   bool planar = false;      // the robot's base stays on z = 0
   NodeId anchor;            // never moves; must be a node
   std::set<NodeId> moving;  // only these may move; empty: all
+  // Doubt loops anew: when some don't fit from where the nodes are, solve once more by graduated
+  // non-convexity and keep the cheaper answer. Takes several times as long.
+  bool doubt = true;
+  int max_iterations = 60;
 };
 
 struct SolveReport {
@@ -22,17 +28,19 @@ struct SolveReport {
   double final_cost = 0.0;
   int iterations = 0;
   int loops_outvoted = 0;
+  // (edge index, squared error in units of its covariance) of each loop, after the solve.
+  std::vector<std::pair<std::size_t, double>> loop_errors;
 };
 
 // Moves nodes' T_map_base and sets loops' loop_weight. Each edge's ends must be nodes.
-// Deterministic: one thread, nodes in id order, edges in their own. With loops it solves twice,
-// once from where the nodes are and once by graduated non-convexity (trust every loop first, then
-// doubt the ones that don't fit), and keeps the cheaper answer.
+// Levenberg-Marquardt on T * (t, Exp(r)), sparse Cholesky in an order that keeps chains thin (AMD);
+// loops by iteratively reweighted least squares with a Geman-McClure loss. Deterministic: one
+// thread, nodes in id order, edges in their own.
 SolveReport solve_graph(const PoseGraphConfig& config, const SolveOptions& options,
                         GraphNodes* nodes, std::vector<GraphEdge>* edges);
 
-// The covariance an edge is solved with: its own, a tracker's bias allowed for, what its sensor
-// can't see widened or pinned, and the floor added.
-Matrix6d effective_covariance(const PoseGraphConfig& config, const GraphEdge& edge, bool planar);
+// Squared error of an edge where the nodes are now, in units of its effective covariance.
+double edge_error(const PoseGraphConfig& config, bool planar, const GraphNodes& nodes,
+                  const GraphEdge& edge);
 
 }  // namespace fusion_slam

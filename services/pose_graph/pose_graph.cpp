@@ -44,20 +44,26 @@ void PoseGraph::add_odometry(std::int64_t utime_us, const SE3& T_odom_base) {
   odometry_.add(pose);
 }
 
-void PoseGraph::add_loop(const NodeId& from, const NodeId& to, const SE3& T_from_to,
-                         const Matrix6d& covariance) {
-  if (from == to || waiting_loops_.size() >= config_.max_waiting) {
+void PoseGraph::add_loop(const LoopInput& loop) {
+  if (loop.from == loop.to || waiting_loops_.size() >= config_.max_waiting) {
     ++counts_.rejected;
     return;
   }
-  waiting_loops_.push_back({EdgeKind::kLoop, from, to, T_from_to, covariance, 1.0});
+  waiting_loops_.push_back(loop);
   settle();
 }
 
 void PoseGraph::finish() {
   finishing_ = true;
+  meet_global_solve(true);
   settle();
-  solve({});
+  meet_global_solve(true);
+  // Twice: loops that don't fit in the first are switched off before the second.
+  for (int round = 0; round < 2; ++round) {
+    start_global_solve();
+    meet_global_solve(true);
+  }
+  say_poses();
   finishing_ = false;
 }
 
@@ -65,6 +71,7 @@ void PoseGraph::settle() {
   while (place_nodes()) {
   }
   if (tie_keyframes()) refine_window();
+  meet_global_solve(false);
   if (take_loops()) solve({});
   say_poses();
 }
@@ -134,15 +141,23 @@ bool PoseGraph::tie_keyframes() {
   return tied;
 }
 
+// True: the graph should be solved. A loop that agrees with the graph as it is can wait for others.
 bool PoseGraph::take_loops() {
-  const auto ready = [this](const GraphEdge& loop) { return known(loop.from) && known(loop.to); };
-  const auto first_unready =
-      std::stable_partition(waiting_loops_.begin(), waiting_loops_.end(), ready);
-  const bool any = first_unready != waiting_loops_.begin();
-  counts_.loops += first_unready - waiting_loops_.begin();
-  edges_.insert(edges_.end(), waiting_loops_.begin(), first_unready);
-  waiting_loops_.erase(waiting_loops_.begin(), first_unready);
-  return any;
+  bool pulls = false;
+  std::vector<LoopInput> still_waiting;
+  for (LoopInput& loop : waiting_loops_) {
+    if (!known(loop.from) || !known(loop.to)) {
+      still_waiting.push_back(std::move(loop));
+      continue;
+    }
+    edges_.push_back({EdgeKind::kLoop, loop.from, loop.to, loop.T_from_to, loop.covariance, 1.0});
+    ++counts_.loops;
+    ++unsolved_loops_;
+    const bool planar = robot_ && robot_->planar;
+    pulls = pulls || edge_error(config_, planar, nodes_, edges_.back()) > config_.quiet_chi2;
+  }
+  waiting_loops_.swap(still_waiting);
+  return unsolved_loops_ > 0 && (pulls || unsolved_loops_ >= config_.most_unsolved_loops);
 }
 
 // The newest nodes alone: between loops the two sensors' chains must not drift apart.
@@ -154,17 +169,25 @@ void PoseGraph::refine_window() {
   solve(moving);
 }
 
+// From where the nodes are, a few steps: quick enough for between two scans. When loops don't fit,
+// the whole graph is solved anew in the background.
 void PoseGraph::solve(const std::set<NodeId>& moving) {
   if (nodes_.empty()) return;
   SolveOptions options;
   options.planar = robot_ && robot_->planar;
   options.anchor = by_time_.begin()->second;
   options.moving = moving;
+  options.doubt = false;
+  options.max_iterations = config_.quick_iterations;
   const SolveReport report = solve_graph(config_, options, &nodes_, &edges_);
   ++counts_.solves;
-  if (moving.empty()) counts_.loops_outvoted = report.loops_outvoted;
   for (const auto& [id, node] : nodes_)
     if (moving.empty() || moving.count(id) > 0) changed_.insert(id);
+  if (!moving.empty()) return;
+  unsolved_loops_ = 0;
+  counts_.loops_outvoted = report.loops_outvoted;
+  for (const auto& [edge, error] : report.loop_errors)
+    if (error > config_.loop_chi2) return start_global_solve();
 }
 
 std::vector<std::pair<NodeId, GraphNode>> PoseGraph::take_changes() {

@@ -2,7 +2,8 @@
 // keyframes are tied to the LiDAR's trajectory by time; loops close it. Out come the nodes' places
 // in the map and the robot's pose at sensor rate. Knows no bus. Not thread-safe. Nothing depends on
 // the order in which inputs of the same utime arrive: what refers to a node that hasn't come yet
-// waits for it.
+// waits for it. The thread that solves the whole graph anew is met at a fixed measurement time
+// after it was started, so that the answer comes at the same place in every replay.
 #pragma once
 
 #include <cstdint>
@@ -15,52 +16,19 @@
 
 #include "libs/robot/robot_model.hpp"
 #include "services/pose_graph/config.hpp"
+#include "services/pose_graph/global_solve.hpp"
+#include "services/pose_graph/graph_inputs.hpp"
 #include "services/pose_graph/graph_solver.hpp"
 #include "services/pose_graph/graph_types.hpp"
 #include "services/pose_graph/pose_track.hpp"
 
 namespace fusion_slam {
 
-enum class PoseState : std::int8_t { kUnknown = 0, kOk = 1, kWeak = 2, kLost = 3 };
-
-struct NodeInput {  // KEYFRAME or LIDAR_NODE
-  NodeId id;
-  std::int64_t utime_us = 0;
-  SE3 T_odom_base = SE3::Identity();
-  std::int64_t previous_id = 0;  // of the same kind; 0: none, the track starts (anew) here
-  SE3 T_previous_base = SE3::Identity();
-  Matrix6d covariance = Matrix6d::Identity();  // of T_previous_base
-};
-
-struct PoseInput {  // VISUAL_POSE (sensor kKeyframe) or LIDAR_POSE (kLidar)
-  NodeKind sensor = NodeKind::kKeyframe;
-  std::int64_t utime_us = 0;
-  SE3 T_odom_base = SE3::Identity();
-  Matrix6d covariance = Matrix6d::Identity();
-  PoseState state = PoseState::kUnknown;
-  std::string reason;
-  std::optional<NodeId> reference;
-  SE3 T_reference_base = SE3::Identity();
-  std::int64_t fix_utime_us = 0;
-  int n_matched = 0;
-};
-
-struct PoseOutput {  // POSE
-  std::int64_t utime_us = 0;
-  SE3 T_map_base = SE3::Identity();
-  Matrix6d covariance = Matrix6d::Identity();
-  PoseState state = PoseState::kUnknown;
-  std::string reason;
-  NodeId reference;
-  SE3 T_reference_base = SE3::Identity();
-  std::int64_t fix_utime_us = 0;
-  int n_matched = 0;
-};
-
 struct PoseGraphCounts {
   std::int64_t solves = 0;
   std::int64_t loops = 0;
   std::int64_t loops_outvoted = 0;
+  std::int64_t loops_switched_off = 0;
   std::int64_t ties = 0;
   std::int64_t restarts = 0;  // tracks that started anew and were hung on the last known pose
   std::int64_t levellings = 0;
@@ -79,8 +47,7 @@ class PoseGraph {
   void add_node(const NodeInput& node);
   void add_pose(const PoseInput& pose);
   void add_odometry(std::int64_t utime_us, const SE3& T_odom_base);
-  void add_loop(const NodeId& from, const NodeId& to, const SE3& T_from_to,
-                const Matrix6d& covariance);
+  void add_loop(const LoopInput& loop);
   // Moves the whole map, once and at once, so that this node's z, roll and pitch become those of
   // T_level_id: the smallest rotation about the map's origin, then a shift along z (levelling() in
   // libs/geometry). Poses between nodes stay as they are. False, with a reason, for planar robots
@@ -98,6 +65,8 @@ class PoseGraph {
   const GraphNodes& nodes() const { return nodes_; }
   const std::vector<GraphEdge>& edges() const { return edges_; }
   const PoseGraphCounts& counts() const { return counts_; }
+  // Loops that are not believed any more, oldest first.
+  const std::vector<LoopState>& switched_off() const { return switched_off_; }
 
  private:
   struct Hang {  // where a track that starts anew is put
@@ -117,6 +86,10 @@ class PoseGraph {
   bool take_loops();
   void refine_window();
   void solve(const std::set<NodeId>& moving);
+  void start_global_solve();
+  void meet_global_solve(bool now);
+  void adopt(const GlobalSolve& answer);
+  void judge_loops();
   void say_poses();
   PoseOutput said(const PoseInput& pose) const;
   std::optional<PoseOutput> bridged(const PoseInput& pose) const;
@@ -138,7 +111,7 @@ class PoseGraph {
 
   std::map<std::pair<std::int64_t, NodeId>, NodeInput> waiting_nodes_;
   std::set<std::pair<std::int64_t, NodeId>> waiting_ties_;
-  std::vector<GraphEdge> waiting_loops_;
+  std::vector<LoopInput> waiting_loops_;
   std::deque<PoseInput> waiting_poses_;
   bool finishing_ = false;
 
@@ -148,6 +121,10 @@ class PoseGraph {
   std::set<NodeId> changed_;
   std::vector<PoseOutput> poses_;
   std::optional<PoseOutput> last_pose_;
+  std::vector<LoopState> switched_off_;
+  int unsolved_loops_ = 0;              // taken since the last solve of the whole graph
+  std::map<std::size_t, int> doubted_;  // edge: whole solves in a row that it did not fit
+  std::optional<BackgroundSolve> background_;
   PoseGraphCounts counts_;
 };
 

@@ -6,6 +6,7 @@
 #include "fusion_slam/graph_t.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
+#include "services/pose_graph/graph_messages.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -13,36 +14,6 @@ namespace {
 constexpr std::size_t kNodesPerPart = 400;          // 400 * 81 bytes: one datagram
 constexpr std::int64_t kRevisionsPerComplete = 50;  // a listener that lost a message is whole again
 constexpr int kCompletePeriodMs = 1000;             // live: and one that started late, too
-
-graph_node_t to_message(const NodeId& id, const GraphNode& node) {
-  graph_node_t message{};
-  message.kind = static_cast<std::int8_t>(id.kind);
-  message.id = id.id;
-  message.utime = node.utime_us;
-  message.T_map_base = fusion_slam::to_message(node.T_map_base, node.utime_us);
-  return message;
-}
-
-bool is_kind(std::int8_t kind) {
-  return kind == graph_node_t::KEYFRAME || kind == graph_node_t::LIDAR;
-}
-
-// What KEYFRAME and LIDAR_NODE have in common.
-template <class Message>
-std::optional<NodeInput> node_from(NodeKind kind, const Message& message) {
-  const auto T_odom_base = from_message(message.T_odom_base);
-  const auto T_previous_base = from_message(message.T_previous_base);
-  if (!T_odom_base) return std::nullopt;
-  if (!T_previous_base && message.previous_id != 0) return std::nullopt;
-  NodeInput node;
-  node.id = {kind, message.id};
-  node.utime_us = message.utime;
-  node.T_odom_base = *T_odom_base;
-  node.previous_id = message.previous_id;
-  if (T_previous_base) node.T_previous_base = *T_previous_base;
-  node.covariance = covariance_from_message(message.covariance);
-  return node;
-}
 
 }  // namespace
 
@@ -80,37 +51,21 @@ void PoseGraphProcess::on_robot(const robot_model_t& message) {
 }
 
 void PoseGraphProcess::on_keyframe(const keyframe_t& message) {
-  if (const auto node = node_from(NodeKind::kKeyframe, message))
+  if (const auto node = node_from(message))
     graph_.add_node(*node);
   else
     reject("KEYFRAME", "a pose is not a rigid motion");
 }
 
 void PoseGraphProcess::on_lidar_node(const lidar_node_t& message) {
-  if (const auto node = node_from(NodeKind::kLidar, message))
+  if (const auto node = node_from(message))
     graph_.add_node(*node);
   else
     reject("LIDAR_NODE", "a pose is not a rigid motion");
 }
 
 void PoseGraphProcess::on_pose(NodeKind sensor, const pose_estimate_t& message) {
-  const auto T_odom_base = from_message(message.T_frame_base);
-  const auto T_reference_base = from_message(message.T_reference_base);
-  PoseInput pose;
-  pose.sensor = sensor;
-  pose.utime_us = message.utime;
-  pose.state = static_cast<PoseState>(std::clamp<int>(message.state, 0, 3));
-  pose.reason = message.reason;
-  pose.fix_utime_us = message.fix_utime;
-  pose.n_matched = message.n_matched;
-  pose.covariance = covariance_from_message(message.covariance);
-  if (T_odom_base) pose.T_odom_base = *T_odom_base;
-  if (T_odom_base && T_reference_base && is_kind(message.reference_kind) &&
-      message.reference_id > 0) {
-    pose.reference = NodeId{static_cast<NodeKind>(message.reference_kind), message.reference_id};
-    pose.T_reference_base = *T_reference_base;
-  }
-  graph_.add_pose(pose);
+  graph_.add_pose(pose_from(sensor, message));
 }
 
 void PoseGraphProcess::on_odometry(const bot_core::pose_t& message) {
@@ -121,19 +76,17 @@ void PoseGraphProcess::on_odometry(const bot_core::pose_t& message) {
 }
 
 void PoseGraphProcess::on_constraint(const constraint_t& message) {
-  const auto T_from_to = from_message(message.T_from_to);
-  if (!T_from_to || !is_kind(message.from_kind) || !is_kind(message.to_kind))
-    return reject("CONSTRAINT", "the motion is not rigid or a node's kind does not exist");
-  graph_.add_loop({static_cast<NodeKind>(message.from_kind), message.from_id},
-                  {static_cast<NodeKind>(message.to_kind), message.to_id}, *T_from_to,
-                  covariance_from_message(message.covariance));
+  if (const auto loop = loop_from(message))
+    graph_.add_loop(*loop);
+  else
+    reject("CONSTRAINT", "the motion is not rigid or a node's kind does not exist");
 }
 
 // A prior on a node's z, roll and pitch. Its covariance says no more than that: the other three are
 // free, so the smallest motion of the map satisfies it.
 void PoseGraphProcess::on_level(const constraint_t& message) {
   const auto T_level_id = from_message(message.T_from_to);
-  if (!T_level_id || message.from_kind != graph_node_t::MAP || !is_kind(message.to_kind))
+  if (!T_level_id || message.from_kind != graph_node_t::MAP || !is_node_kind(message.to_kind))
     return reject("LEVEL", "the motion is not rigid, or not from the map to a node");
   std::string why;
   if (!graph_.level_map({static_cast<NodeKind>(message.to_kind), message.to_id}, *T_level_id, &why))
@@ -186,24 +139,17 @@ void PoseGraphProcess::publish_graph(const std::vector<graph_node_t>& nodes, boo
     message.n_parts = static_cast<std::int32_t>(n_parts);
     message.nodes.assign(begin, end);
     message.n_nodes = static_cast<std::int32_t>(message.nodes.size());
+    message.n_loops = static_cast<std::int32_t>(graph_.counts().loops);
+    if (part == 0)
+      for (const LoopState& loop : graph_.switched_off())
+        message.switched_off.push_back(to_message(loop));
+    message.n_switched_off = static_cast<std::int32_t>(message.switched_off.size());
     bus_.publish("GRAPH", message);
   }
 }
 
 void PoseGraphProcess::publish_pose(const PoseOutput& pose) {
-  pose_estimate_t message{};
-  message.utime = pose.utime_us;
-  message.frame = "map";
-  message.T_frame_base = fusion_slam::to_message(pose.T_map_base, pose.utime_us);
-  fusion_slam::to_message(pose.covariance, message.covariance);
-  message.state = static_cast<std::int8_t>(pose.state);
-  message.reason = pose.reason;
-  message.reference_kind = static_cast<std::int8_t>(pose.reference.kind);
-  message.reference_id = pose.reference.id;
-  message.T_reference_base = fusion_slam::to_message(pose.T_reference_base, pose.utime_us);
-  message.fix_utime = pose.fix_utime_us;
-  message.n_matched = pose.n_matched;
-  bus_.publish("POSE", message);
+  bus_.publish("POSE", to_message(pose));
 }
 
 void PoseGraphProcess::reject(const char* channel, const char* why) {

@@ -47,14 +47,12 @@ keyframe_t message_of(const LoopKeyframe& keyframe) {
 }
 
 TEST(LoopDetectorProcess, PublishesCandidatesAndOnlyAcceptedConstraints) {
-  for (const bool accept : {false, true}) {
+  for (const bool far : {false, true}) {
     auto transport = std::make_shared<Transport>("memq://");
     Bus sender(named("visual_odometry"), transport);
     Bus detector_bus(named("loop_detector"), transport);
     Bus listener(named("listener"), transport);
-    LoopDetectorConfig config;
-    config.accept_without_lidar = accept;
-    const LoopDetectorProcess process(detector_bus, config);
+    const LoopDetectorProcess process(detector_bus);
     std::vector<loop_candidate_t> candidates;
     std::vector<constraint_t> constraints;
     listener.subscribe<loop_candidate_t>(
@@ -63,24 +61,37 @@ TEST(LoopDetectorProcess, PublishesCandidatesAndOnlyAcceptedConstraints) {
     listener.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll,
                                      [&](const constraint_t& m) { constraints.push_back(m); });
     const CameraModel camera;
-    // The first keyframes come before the models: they wait.
-    for (int id = 1; id <= 30; ++id)
-      sender.publish("KEYFRAME", message_of(keyframe_at(
-                                     id, see_place(make_place(id), camera, SE3::Identity(), id))));
+    RobotModel robot;
+    robot.planar = false;
+    // The first keyframes come before the models: they wait. Each stands where the last stood, or a
+    // metre on: then the loop is impossible.
+    const auto say = [&](int id, int place) {
+      LoopKeyframe keyframe =
+          keyframe_at(id, see_place(make_place(place), camera, SE3::Identity(), id));
+      keyframe.T_odom_base = from_xyz_rpy(far ? id : 0, 0, 0, 0, 0, 0);
+      keyframe_t message = message_of(keyframe);
+      message.previous_id = id - 1;
+      message.T_previous_base = to_message(from_xyz_rpy(far ? 1 : 0, 0, 0, 0, 0, 0), 0);
+      to_message(Matrix6d(Matrix6d::Identity() * 1e-6), message.covariance);
+      sender.publish("KEYFRAME", message);
+    };
+    for (int id = 1; id <= 30; ++id) say(id, id);
     sender.publish("CAMERA_MODEL", to_message(camera, 40'000'000));
-    sender.publish("ROBOT_MODEL", to_message(RobotModel(), 40'000'000));
-    sender.publish("KEYFRAME", message_of(keyframe_at(
-                                   50, see_place(make_place(1), camera, SE3::Identity(), 50))));
-    for (int i = 0; i < 500 && (candidates.empty() || (accept && constraints.empty())); ++i) {
+    sender.publish("ROBOT_MODEL", to_message(robot, 40'000'000));
+    say(31, 1);
+    for (int i = 0; i < 500 && (candidates.empty() || (!far && constraints.empty())); ++i) {
       detector_bus.handle(5);
       listener.handle(5);
     }
     ASSERT_EQ(candidates.size(), 1U);
     EXPECT_EQ(candidates[0].from_id, 1);
-    EXPECT_EQ(candidates[0].to_id, 50);
+    EXPECT_EQ(candidates[0].to_id, 31);
     EXPECT_EQ(candidates[0].n_stages, 4);
-    EXPECT_EQ(candidates[0].accepted != 0, accept);
-    EXPECT_EQ(constraints.size(), accept ? 1U : 0U);
+    EXPECT_EQ(candidates[0].accepted != 0, !far);
+    ASSERT_EQ(constraints.size(), far ? 0U : 1U);
+    if (far) continue;
+    EXPECT_EQ(constraints[0].source, "visual loop");
+    EXPECT_GT(constraints[0].n_same, 100);
   }
 }
 

@@ -78,9 +78,9 @@ SolveOptions anchored() {
 // down.
 TEST(GraphSolver, KnownAnswerOnALine) {
   PoseGraphConfig config;
-  config.tracker_optimism = 1.0;
-  config.floor_translation_m = 0.0;
-  config.floor_rotation_rad = 0.0;
+  config.noise.visual_optimism = 1.0;
+  config.noise.floor_translation_m = 0.0;
+  config.noise.floor_rotation_rad = 0.0;
   GraphNodes nodes;
   std::vector<GraphEdge> edges;
   for (int i = 1; i <= 4; ++i) nodes[keyframe(i)].T_map_base = from_xyz_rpy(i - 1, 0, 0, 0, 0, 0);
@@ -198,11 +198,12 @@ TEST(GraphSolver, WhatAScanCannotSeeIsPinnedOrFree) {
   const PoseGraphConfig config;
   GraphEdge e = edge(EdgeKind::kLidar, 1, 2, SE3::Identity());
   e.covariance(0, 2) = e.covariance(2, 0) = 1e-4;
-  EXPECT_LT(effective_covariance(config, e, true)(2, 2), 1e-4);
-  EXPECT_GT(effective_covariance(config, e, false)(2, 2), 0.9);
-  EXPECT_EQ(effective_covariance(config, e, true)(0, 2), 0.0);
+  EXPECT_LT(effective_covariance(config.noise, e, true)(2, 2), 1e-4);
+  EXPECT_GT(effective_covariance(config.noise, e, false)(2, 2), 0.9);
+  EXPECT_EQ(effective_covariance(config.noise, e, true)(0, 2), 0.0);
   e.kind = EdgeKind::kVisual;
-  EXPECT_DOUBLE_EQ(effective_covariance(config, e, true)(0, 2), 1e-4 * config.tracker_optimism);
+  EXPECT_DOUBLE_EQ(effective_covariance(config.noise, e, true)(0, 2),
+                   1e-4 * config.noise.visual_optimism);
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ TEST(LevelMap, StaysThroughNewNodesLoopsAndFinish) {
   const GraphNodes levelled = graph.nodes();
   const auto relative =
       levelled.at(keyframe(2)).T_map_base.inverse() * levelled.at(keyframe(18)).T_map_base;
-  graph.add_loop(keyframe(2), keyframe(18), relative, Matrix6d::Identity() * 1e-4);
+  graph.add_loop({keyframe(2), keyframe(18), relative, Matrix6d::Identity() * 1e-4, {}});
   NodeInput node;
   node.id = keyframe(21);
   node.utime_us = 2'100'000;

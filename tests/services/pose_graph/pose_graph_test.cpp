@@ -174,21 +174,60 @@ TEST(PoseGraph, ALoopClosesTheCircle) {
   const double before_m = error_m();
   graph.take_changes();
   const std::int64_t revision = graph.revision();
-  graph.add_loop(first, last, truth(last_us), Matrix6d::Identity() * 1e-6);
+  graph.add_loop({first, last, truth(last_us), Matrix6d::Identity() * 1e-6, {}});
+  graph.finish();
   EXPECT_LT(error_m(), 0.2 * before_m);
   EXPECT_GT(graph.take_changes().size(), 10U);
-  EXPECT_EQ(graph.revision(), revision + 1);
+  EXPECT_GT(graph.revision(), revision);
   EXPECT_EQ(graph.counts().loops_outvoted, 0);
+}
+
+// Three true loops and one that a hand put in: it is switched off, said so, and the map is as if it
+// had never been.
+TEST(PoseGraph, AWrongLoopIsSwitchedOffAndReported) {
+  PoseGraph graph;
+  graph.set_robot(robot(true, false));
+  Tracker camera{NodeKind::kKeyframe, kFrameUs, 10, 0.002};
+  run(&graph, &camera, nullptr, 20'000'000);
+  const auto node = [](std::int64_t id) { return NodeId{NodeKind::kKeyframe, id}; };
+  const auto true_motion = [&](std::int64_t a, std::int64_t b) {
+    return SE3(truth(graph.nodes().at(node(a)).utime_us).inverse() *
+               truth(graph.nodes().at(node(b)).utime_us));
+  };
+  const Matrix6d sure = Matrix6d::Identity() * 1e-4;
+  for (const std::int64_t back : {0, 3, 6})
+    graph.add_loop({node(1 + back),
+                    node(camera.nodes - back),
+                    true_motion(1 + back, camera.nodes - back),
+                    sure,
+                    {}});
+  graph.finish();
+  const SE3 before = graph.nodes().at(node(camera.nodes)).T_map_base;
+  graph.add_loop({node(2),
+                  node(camera.nodes - 1),
+                  SE3(true_motion(2, camera.nodes - 1) * from_xyz_rpy(3.0, 1.0, 0, 0, 0, 0.4)),
+                  sure,
+                  {}});
+  graph.finish();
+  ASSERT_EQ(graph.switched_off().size(), 1U);
+  EXPECT_EQ(graph.switched_off()[0].from, node(2));
+  EXPECT_EQ(graph.switched_off()[0].to, node(camera.nodes - 1));
+  EXPECT_GT(graph.switched_off()[0].squared_error, 16.8);
+  EXPECT_NE(graph.switched_off()[0].reason.find("all other edges"), std::string::npos);
+  const SE3 after = graph.nodes().at(node(camera.nodes)).T_map_base;
+  EXPECT_LT((after.translation() - before.translation()).norm(), 0.02);
 }
 
 TEST(PoseGraph, ALoopWaitsForItsNodes) {
   PoseGraph graph;
-  graph.add_loop({NodeKind::kKeyframe, 1}, {NodeKind::kKeyframe, 3}, SE3::Identity(), small());
+  graph.add_loop(
+      {{NodeKind::kKeyframe, 1}, {NodeKind::kKeyframe, 3}, SE3::Identity(), small(), {}});
   EXPECT_EQ(graph.counts().loops, 0);
   Tracker camera{NodeKind::kKeyframe, kFrameUs, 1};
   run(&graph, &camera, nullptr, 200'000);
   EXPECT_EQ(graph.counts().loops, 1);
-  graph.add_loop({NodeKind::kKeyframe, 1}, {NodeKind::kKeyframe, 1}, SE3::Identity(), small());
+  graph.add_loop(
+      {{NodeKind::kKeyframe, 1}, {NodeKind::kKeyframe, 1}, SE3::Identity(), small(), {}});
   EXPECT_EQ(graph.counts().rejected, 1);
 }
 

@@ -1,0 +1,62 @@
+// How well one node's place is known as seen from another. Exact marginals need the whole graph's
+// inverse; along one path of edges the covariances add up, and the best path gives an upper bound
+// that is good enough to gate loops with (Olson 2009, "Recognizing positives and negatives in
+// loop-closing"; Bosse et al. 2004: Dijkstra projections). Not thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "libs/graph/edge.hpp"
+
+namespace fusion_slam {
+
+class GraphUncertainty {
+ public:
+  // Nodes are made as edges name them. `covariance` as the edge is believed
+  // (effective_covariance), of xi in T_from_to * Exp(xi). Not finite: ignored.
+  void add_edge(const NodeId& from, const NodeId& to, const SE3& T_from_to,
+                const Matrix6d& covariance, bool is_loop = false);
+  // The loops between the two are gone: the pose graph has switched them off.
+  void remove_loops(const NodeId& from, const NodeId& to);
+
+  // Best paths from one node to all others; valid until an edge comes or goes. O(E log N).
+  class Paths {
+   public:
+    struct Relative {
+      SE3 T_start_node = SE3::Identity();      // by the edges of the path
+      Matrix6d covariance = Matrix6d::Zero();  // of it, in the node's axes
+    };
+    // Nothing: no path leads there.
+    std::optional<Relative> to(const NodeId& node) const;
+
+   private:
+    friend class GraphUncertainty;
+    const GraphUncertainty* graph_ = nullptr;
+    std::vector<int> edge_to_;  // by node: the last edge of the path; -1 start, -2 unreachable
+  };
+  Paths from(const NodeId& start) const;
+
+  std::size_t n_nodes() const { return neighbours_.size(); }
+  std::size_t n_edges() const { return edges_.size(); }
+
+ private:
+  struct Edge {
+    int from = 0;
+    int to = 0;
+    SE3 T_from_to;
+    Matrix6d covariance;
+    double length = 0.0;  // what paths are compared by
+    bool is_loop = false;
+    bool gone = false;
+  };
+  int index_of(const NodeId& id);
+
+  std::map<NodeId, int> index_;
+  std::vector<std::vector<int>> neighbours_;  // edges of a node
+  std::vector<Edge> edges_;
+};
+
+}  // namespace fusion_slam

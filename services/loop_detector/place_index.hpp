@@ -1,0 +1,48 @@
+// Stage 1: which older keyframes look like this one? Each descriptor asked votes for the keyframes
+// that have one like it. Grows with each keyframe; no vocabulary. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "libs/features/lsh_index.hpp"
+#include "services/loop_detector/config.hpp"
+
+namespace fusion_slam {
+
+class PlaceIndex {
+ public:
+  explicit PlaceIndex(const AppearanceConfig& config);
+
+  struct Place {
+    std::int64_t id = 0;
+    int votes = 0;
+    double share = 0.0;  // of the features that were asked
+  };
+  // Most votes first, those above the threshold, at most max_candidates.
+  std::vector<Place> like(const FeatureSet& features) const;
+
+  // The keyframe becomes a place when it is old enough, so that the newest never drown the others'
+  // votes. Ids must grow.
+  void add(std::int64_t id, std::int64_t utime_us, const FeatureSet& features);
+
+  std::size_t n_places() const { return n_places_; }
+
+ private:
+  struct Waiting {
+    std::int64_t id = 0;
+    std::int64_t utime_us = 0;
+    std::vector<Descriptor> descriptors;
+  };
+  std::vector<Descriptor> sample(const FeatureSet& features) const;
+
+  AppearanceConfig config_;
+  LshIndex index_;
+  std::deque<Waiting> waiting_;
+  std::vector<std::int64_t> ids_;   // by label
+  mutable std::vector<int> votes_;  // by label; all 0 between calls
+  std::size_t n_places_ = 0;
+};
+
+}  // namespace fusion_slam

@@ -1,0 +1,103 @@
+// Where the pose graph meets the thread that solves it anew, and what becomes of loops that do not
+// fit.
+#include "services/pose_graph/global_solve.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "services/pose_graph/pose_graph.hpp"
+
+namespace fusion_slam {
+
+void PoseGraph::start_global_solve() {
+  if (background_ || nodes_.empty()) return;
+  GlobalSolve question;
+  question.config = config_;
+  question.options.planar = robot_ && robot_->planar;
+  question.options.anchor = by_time_.begin()->second;
+  question.nodes = nodes_;
+  question.edges = edges_;
+  background_.emplace();
+  background_->started_us = newest_utime_us_;
+  background_->answer = std::async(std::launch::async, [question = std::move(question)]() mutable {
+    question.report =
+        solve_graph(question.config, question.options, &question.nodes, &question.edges);
+    return std::move(question);
+  });
+}
+
+// At the meeting point, and not before, the answer is waited for: what happens does not depend on
+// how fast the thread was.
+void PoseGraph::meet_global_solve(bool now) {
+  if (!background_) return;
+  if (!now && newest_utime_us_ - background_->started_us < config_.meet_after_us) return;
+  const GlobalSolve answer = background_->answer.get();
+  background_.reset();
+  adopt(answer);
+}
+
+// Nodes that came since then move along with the newest one of their kind that was there.
+void PoseGraph::adopt(const GlobalSolve& answer) {
+  ++counts_.solves;
+  if (!answer.report.usable) return;
+  std::map<NodeId, SE3> correction;  // T_new_old of the map at a node
+  for (const auto& [id, node] : answer.nodes)
+    correction[id] = node.T_map_base * nodes_.at(id).T_map_base.inverse();
+  for (auto& [id, node] : nodes_) {
+    const auto solved = correction.find(id);
+    if (solved != correction.end()) {
+      node.T_map_base = answer.nodes.at(id).T_map_base;
+    } else {
+      auto before = correction.lower_bound(id);
+      const bool same_kind =
+          before != correction.begin() && std::prev(before)->first.kind == id.kind;
+      if (same_kind)
+        node.T_map_base = std::prev(before)->second * node.T_map_base;
+      else if (!correction.empty())
+        node.T_map_base = correction.rbegin()->second * node.T_map_base;
+    }
+    changed_.insert(id);
+  }
+  for (std::size_t i = 0; i < answer.edges.size(); ++i)
+    edges_[i].loop_weight = answer.edges[i].loop_weight;
+  counts_.loops_outvoted = answer.report.loops_outvoted;
+  for (const auto& [edge, error] : answer.report.loop_errors) {
+    if (edges_[edge].loop_weight < 0.1)
+      ++doubted_[edge];
+    else
+      doubted_.erase(edge);
+  }
+  judge_loops();
+}
+
+// A loop that the graph outvotes again and again is taken out of it, and said so.
+void PoseGraph::judge_loops() {
+  std::vector<std::size_t> off;
+  for (const auto& [edge, times] : doubted_)
+    if (times >= config_.switch_off_after) off.push_back(edge);
+  if (off.empty()) return;
+  const bool planar = robot_ && robot_->planar;
+  for (const std::size_t i : off) {
+    const GraphEdge& edge = edges_[i];
+    LoopState state;
+    state.from = edge.from;
+    state.to = edge.to;
+    state.squared_error = edge_error(config_, planar, nodes_, edge);
+    const Vector6d error = local(
+        edge.T_from_to, nodes_.at(edge.from).T_map_base.inverse() * nodes_.at(edge.to).T_map_base);
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "%.2f m and %.1f degrees from what all other edges say, after %d solves",
+                  error.head<3>().norm(), error.tail<3>().norm() * 180.0 / 3.14159265358979,
+                  config_.switch_off_after);
+    state.reason = text;
+    switched_off_.push_back(state);
+    ++counts_.loops_switched_off;
+  }
+  for (auto i = off.rbegin(); i != off.rend(); ++i)
+    edges_.erase(edges_.begin() + static_cast<std::ptrdiff_t>(*i));
+  doubted_.clear();  // edges have new numbers; those still in doubt are seen again
+}
+
+}  // namespace fusion_slam

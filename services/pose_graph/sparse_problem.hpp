@@ -1,0 +1,79 @@
+// The normal equations of a pose graph in 6x6 blocks: linearised, damped, solved.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+#include "services/pose_graph/config.hpp"
+#include "services/pose_graph/graph_solver.hpp"
+#include "services/pose_graph/graph_types.hpp"
+
+namespace fusion_slam {
+
+using Poses = std::vector<SE3>;
+
+// A pose graph's cost as a function of the poses that may move. Not thread-safe.
+class SparseProblem {
+ public:
+  // Takes those of the edges that have a moving end. Variables in the order of their ids.
+  SparseProblem(const PoseGraphConfig& config, const SolveOptions& options, const GraphNodes& nodes,
+                const std::vector<GraphEdge>& edges);
+
+  bool empty() const { return variables_.empty(); }
+  bool has_loops() const { return has_loops_; }
+  Poses start() const { return start_; }
+  // Half the sum of squared errors; loops by Geman-McClure with scale mu * loop_chi2.
+  double cost(const Poses& poses, double mu) const;
+  std::vector<std::pair<std::size_t, double>> loop_errors(const Poses& poses) const;
+
+  // Levenberg-Marquardt from `poses`; returns the final cost. False in `usable` when the equations
+  // can't be solved.
+  double minimise(double mu, int max_iterations, Poses* poses, int* iterations, bool* usable);
+
+  void write_back(const Poses& poses, GraphNodes* nodes) const;
+
+ private:
+  struct Term {
+    int from = -1;  // variable; -1: fixed
+    int to = -1;
+    SE3 T_from;  // of fixed ends
+    SE3 T_to;
+    SE3 measured;
+    Matrix6d sqrt_information;
+    std::size_t edge = 0;
+    bool loop = false;
+    int block_from = -1, block_to = -1, block_cross = -1;  // in the matrix
+    bool cross_transposed = false;
+  };
+  Vector6d error(const Term& term, const Poses& poses, Matrix6d* J_from, Matrix6d* J_to) const;
+  void make_pattern();
+  void linearise(const Poses& poses, double mu);
+  double* block(int index) { return blocks_[static_cast<std::size_t>(index)].data(); }
+  void fill(double damping);
+
+  const PoseGraphConfig& config_;
+  bool planar_;
+  bool has_loops_ = false;
+  std::vector<NodeId> variables_;
+  Poses start_;
+  std::vector<Term> terms_;
+
+  // Lower block triangle in elimination order.
+  std::vector<int> order_;                      // variable -> place in the matrix
+  std::vector<std::pair<int, int>> positions_;  // of each block: (row, column) place
+  std::vector<Matrix6d> blocks_;
+  std::vector<int> diagonal_;                // variable -> block
+  std::vector<std::vector<int>> by_column_;  // blocks of a column place, by row
+  Eigen::VectorXd gradient_;                 // by place
+  Eigen::SparseMatrix<double> H_;
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
+      cholesky_;
+  bool analysed_ = false;
+};
+
+}  // namespace fusion_slam

@@ -1,0 +1,283 @@
+// The back end without a bus: LiDAR mapper, loop detector and pose graph on a log (imported, or a
+// session.lcmlog, whose KEYFRAME and VISUAL_POSE are used). Writes OUT/trajectory.tum and
+// OUT/loops.txt (each decided candidate), and says where the time goes.
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+
+#include <CLI/CLI.hpp>
+
+#include "bot_core/planar_lidar_t.hpp"
+#include "bot_core/pose_t.hpp"
+#include "fusion_slam/keyframe_t.hpp"
+#include "fusion_slam/pose_estimate_t.hpp"
+#include "libs/eventlog/reader.hpp"
+#include "libs/messages/convert.hpp"
+#include "libs/messages/models.hpp"
+#include "libs/session/final_trajectory.hpp"
+#include "services/lidar_mapper/lidar_mapper.hpp"
+#include "services/loop_detector/loop_detector.hpp"
+#include "services/loop_detector/loop_messages.hpp"
+#include "services/pose_graph/graph_messages.hpp"
+#include "services/pose_graph/pose_graph.hpp"
+
+namespace fusion_slam {
+namespace {
+
+class Stopwatch {
+ public:
+  template <class Work>
+  auto time(const char* what, Work work) {
+    const auto before = std::chrono::steady_clock::now();
+    struct Stop {
+      Stopwatch* watch;
+      const char* what;
+      std::chrono::steady_clock::time_point before;
+      ~Stop() {
+        watch->ms_[what].push_back(
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before)
+                .count());
+      }
+    } stop{this, what, before};
+    return work();
+  }
+  void report() {
+    for (auto& [what, ms] : ms_) {
+      std::sort(ms.begin(), ms.end());
+      double sum = 0.0;
+      for (const double t : ms) sum += t;
+      std::printf("%-16s %6zu calls, median %.2f ms, p99 %.2f, worst %.1f, sum %.2f s\n",
+                  what.c_str(), ms.size(), ms[ms.size() / 2], ms[ms.size() * 99 / 100], ms.back(),
+                  sum * 1e-3);
+    }
+  }
+
+ private:
+  std::map<std::string, std::vector<double>> ms_;
+};
+
+Matrix6d full(const Eigen::Matrix3d& planar) {
+  Matrix6d all = Matrix6d::Identity() * 1e-6;
+  const int index[3] = {0, 1, 5};
+  for (int row = 0; row < 3; ++row)
+    for (int col = 0; col < 3; ++col) all(index[row], index[col]) = planar(row, col);
+  for (const int i : index) all(i, i) += 1e-8;
+  return all;
+}
+
+class BackEnd {
+ public:
+  explicit BackEnd(const std::string& out) : loops_(out + "/loops.txt") {}
+
+  void on(const LogEvent& event) {
+    if (event.channel == "ROBOT_MODEL") {
+      if (detector_) return;
+      std::string why;
+      robot_ = *from_message(decoded<robot_model_t>(event), &why);
+      mapper_ = std::make_unique<LidarMapper>(robot_);
+      detector_ = std::make_unique<LoopDetector>(robot_);
+      if (camera_) detector_->set_camera(*camera_);
+      graph_.set_robot(robot_);
+    } else if (event.channel == "CAMERA_MODEL") {
+      std::string why;
+      camera_ = from_message(decoded<camera_model_t>(event), &why);
+      if (detector_) detector_->set_camera(*camera_);
+    }
+    if (!detector_) return;
+    if (event.channel == "ODOMETRY" && use_odometry) {
+      const auto m = decoded<bot_core::pose_t>(event);
+      if (const auto T = from_message(m)) {
+        mapper_->add_odometry(m.utime, to_se2(*T));
+        graph_.add_odometry(m.utime, *T);
+        odometry_comes_ = true;
+        if (waiting_ && m.utime >= waiting_->utime_us) hand_on_scan();
+      }
+    } else if (event.channel == "LIDAR") {
+      std::string why;
+      if (const auto scan = from_message(decoded<bot_core::planar_lidar_t>(event), &why)) {
+        hand_on_scan();  // no scan waits longer than for the next one
+        waiting_ = *scan;
+        if (!odometry_comes_) hand_on_scan();
+      }
+    } else if (event.channel == "KEYFRAME") {
+      on_keyframe(decoded<keyframe_t>(event));
+    } else if (event.channel == "VISUAL_POSE") {
+      on_visual_pose(decoded<pose_estimate_t>(event));
+    }
+  }
+
+  void finish(const std::string& out) {
+    hand_on_scan();
+    take(detector_->finish());
+    watch_.time("finish", [&] { graph_.finish(); });
+    pass_on();
+    std::ofstream file(out + "/trajectory.tum");
+    for (const auto& [id, node] : graph_.nodes()) session_.T_map_nodes[id] = node.T_map_base;
+    for (const FinalPose& pose : final_trajectory(session_)) {
+      const SE3 T = pose.T_map_base * robot_.T_base_reference();
+      const Eigen::Quaterniond q(T.linear());
+      char line[256];
+      std::snprintf(line, sizeof line, "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n",
+                    static_cast<double>(pose.utime_us) * 1e-6, T.translation().x(),
+                    T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(), q.w());
+      file << line;
+    }
+    const LoopCounts& c = detector_->counts();
+    const PoseGraphCounts& g = graph_.counts();
+    std::printf(
+        "%ld keyframes, %ld scans; %ld LiDAR searches, %ld candidates, %ld accepted; graph: %zu "
+        "nodes, %zu edges, %ld loops, %ld outvoted, %ld solves\n",
+        c.keyframes, c.scans, c.lidar_searches, c.candidates, c.accepted, graph_.nodes().size(),
+        graph_.edges().size(), g.loops, g.loops_outvoted, g.solves);
+    watch_.report();
+  }
+
+  bool use_odometry = true;
+  bool use_loops = true;
+
+ private:
+  template <class Message>
+  static Message decoded(const LogEvent& event) {
+    Message message;
+    message.decode(event.data.data(), 0, static_cast<int>(event.data.size()));
+    return message;
+  }
+
+  // As the process does it: a scan waits for the odometry of its own time.
+  void hand_on_scan() {
+    if (!waiting_) return;
+    const LaserScan scan = *waiting_;
+    waiting_.reset();
+    on_scan(scan);
+  }
+
+  void on_scan(const LaserScan& scan) {
+    const MapperOutput output =
+        watch_.time("lidar_mapper", [&] { return mapper_->add_scan(scan); });
+    session_.lidar_utimes_us.insert(scan.utime_us);
+    if (output.node) {
+      const LidarNode& node = *output.node;
+      NodeInput input;
+      LoopScan loop_scan;
+      input.id = {NodeKind::kLidar, node.id};
+      loop_scan.id = node.id;
+      input.utime_us = loop_scan.utime_us = node.utime_us;
+      input.T_odom_base = loop_scan.T_odom_base = to_se3(node.T_odom_base);
+      input.previous_id = loop_scan.previous_id = node.previous_id;
+      input.T_previous_base = loop_scan.T_previous_base = to_se3(node.T_previous_base);
+      input.covariance = loop_scan.covariance = full(node.covariance);
+      for (const auto& in : node.submaps) {
+        loop_scan.submaps.push_back({in.submap_id, to_se3(in.T_submap_base)});
+      }
+      loop_scan.points_base = node.points_base;
+      watch_.time("graph node", [&] { graph_.add_node(input); });
+      pass_on();
+      take(watch_.time("detector scan", [&] { return detector_->add(std::move(loop_scan)); }));
+    }
+    for (const Tile& tile : output.tiles) detector_->add_tile(tile);
+    if (!output.pose) return;
+    const LidarPose& pose = *output.pose;
+    PoseInput input;
+    input.sensor = NodeKind::kLidar;
+    input.utime_us = pose.utime_us;
+    input.T_odom_base = to_se3(pose.T_odom_base);
+    input.covariance = full(pose.covariance);
+    input.state = pose.state == MatchState::kLost
+                      ? PoseState::kLost
+                      : (pose.state == MatchState::kWeak ? PoseState::kWeak : PoseState::kOk);
+    input.reason = pose.reason;
+    input.reference = NodeId{NodeKind::kLidar, pose.reference_id};
+    input.T_reference_base = to_se3(pose.T_reference_base);
+    input.fix_utime_us = pose.fix_utime_us;
+    session_.lidar[pose.utime_us] = {false, *input.reference, input.T_reference_base};
+    watch_.time("graph pose", [&] { graph_.add_pose(input); });
+    pass_on();
+  }
+
+  void on_keyframe(const keyframe_t& message) {
+    std::string why;
+    auto keyframe = from_message(message, &why);
+    const auto node = node_from(message);
+    if (!keyframe || !node) return;
+    watch_.time("graph node", [&] { graph_.add_node(*node); });
+    pass_on();
+    take(watch_.time("detector keyframe", [&] { return detector_->add(std::move(*keyframe)); }));
+  }
+
+  void on_visual_pose(const pose_estimate_t& message) {
+    const PoseInput pose = pose_from(NodeKind::kKeyframe, message);
+    session_.camera_utimes_us.insert(message.utime);
+    if (pose.reference)
+      session_.visual[message.utime] = {pose.state == PoseState::kLost, *pose.reference,
+                                        pose.T_reference_base};
+    mapper_->add_visual_pose(message.utime, to_se2(pose.T_odom_base), pose.state == PoseState::kOk);
+    watch_.time("graph pose", [&] { graph_.add_pose(pose); });
+    pass_on();
+  }
+
+  void pass_on() {
+    for (const auto& [id, node] : graph_.take_changes()) detector_->moved(id, node.T_map_base);
+    graph_.take_poses();
+  }
+
+  void take(const std::vector<LoopCandidate>& decided) {
+    for (const LoopCandidate& c : decided) {
+      char line[200];
+      std::snprintf(line, sizeof line, "%s %s%ld -> %s%ld t %.3f",
+                    c.accepted ? "ACCEPTED" : "rejected",
+                    c.from.kind == NodeKind::kLidar ? "scan " : "keyframe ", c.from.id,
+                    c.to.kind == NodeKind::kLidar ? "scan " : "keyframe ", c.to.id,
+                    1e-6 * static_cast<double>(c.utime_us));
+      loops_ << line;
+      for (const StageVerdict& v : c.stages) {
+        std::snprintf(line, sizeof line, " | %s %.3f/%.3f %s ", v.stage.c_str(), v.score,
+                      v.threshold, v.passed ? "passed" : "-");
+        loops_ << line << v.reason;
+      }
+      loops_ << "\n";
+      if (!c.accepted || !use_loops) continue;
+      for (const LoopMeasurement& m : c.measurements)
+        watch_.time("graph loop", [&] {
+          graph_.add_loop({m.from, m.to, m.T_from_to, m.covariance, m.same_features});
+        });
+    }
+    pass_on();
+  }
+
+  std::optional<LaserScan> waiting_;
+  bool odometry_comes_ = false;
+  RobotModel robot_;
+  std::optional<CameraModel> camera_;
+  std::unique_ptr<LidarMapper> mapper_;
+  std::unique_ptr<LoopDetector> detector_;
+  PoseGraph graph_;
+  TrackedSession session_;
+  std::ofstream loops_;
+  Stopwatch watch_;
+};
+
+}  // namespace
+}  // namespace fusion_slam
+
+int main(int argc, char** argv) {
+  CLI::App app{"Runs the back end over a log; writes OUT/trajectory.tum and OUT/loops.txt"};
+  std::string log, out = "out";
+  bool no_odometry = false, no_loops = false;
+  app.add_option("LOG", log, "imported log or session.lcmlog")->required();
+  app.add_option("--out", out, "folder");
+  app.add_flag("--no-odometry", no_odometry, "ignore ODOMETRY");
+  app.add_flag("--no-loops", no_loops, "find loops but keep them from the graph");
+  CLI11_PARSE(app, argc, argv);
+  std::filesystem::create_directories(out);
+  fusion_slam::BackEnd back_end(out);
+  back_end.use_odometry = !no_odometry;
+  back_end.use_loops = !no_loops;
+  fusion_slam::LogReader reader(log);
+  fusion_slam::LogEvent event;
+  while (reader.next(&event)) back_end.on(event);
+  back_end.finish(out);
+  return 0;
+}
