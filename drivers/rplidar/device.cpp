@@ -12,8 +12,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kAnswerTimeoutMs =
-    250;                          // the protocol's document has no number; answers take a few ms
 constexpr int kAfterStopMs = 20;  // the document: "at least 1 ms"; a packet under way takes 7 ms
 constexpr std::uint16_t kMotorPwm = 660;  // what Slamtec's own tools use, about 10 turns/s on an A2
 constexpr std::uint32_t kMostModes = 16;
@@ -47,7 +45,7 @@ std::vector<std::uint8_t> RplidarDevice::ask(RplidarCommand command,
   port_.write(request);
   AnswerParser parser(command);
   std::array<std::uint8_t, 512> bytes{};
-  const auto deadline = Clock::now() + std::chrono::milliseconds(kAnswerTimeoutMs);
+  const auto deadline = Clock::now() + std::chrono::milliseconds(answer_timeout_ms_);
   for (;;) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
@@ -59,7 +57,7 @@ std::vector<std::uint8_t> RplidarDevice::ask(RplidarCommand command,
     return descriptor_.send_mode == 0 ? parser.packet() : std::vector<std::uint8_t>();
   }
   throw DeviceError(std::string("no answer to ") + to_string(command) + " within " +
-                    std::to_string(kAnswerTimeoutMs) + " ms; came: " + parser.seen());
+                    std::to_string(answer_timeout_ms_) + " ms; came: " + parser.seen());
 }
 
 RplidarInfo RplidarDevice::info() {

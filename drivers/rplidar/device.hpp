@@ -27,8 +27,13 @@ struct ScanMode {
 
 class RplidarDevice {
  public:
+  // The protocol's document has no number; answers take a few ms, a loaded machine and an adapter
+  // some more.
+  static constexpr int kAnswerTimeoutMs = 250;
+
   // `port` must outlive this.
-  explicit RplidarDevice(SerialPort& port) : port_(port) {}
+  explicit RplidarDevice(SerialPort& port, int answer_timeout_ms = kAnswerTimeoutMs)
+      : port_(port), answer_timeout_ms_(answer_timeout_ms) {}
 
   // All throw DeviceError (no answer, a wrong one) and PortError (unplugged).
   RplidarInfo info();
@@ -55,6 +60,7 @@ class RplidarDevice {
   std::vector<ScanMode> modes_by_conf();
 
   SerialPort& port_;
+  int answer_timeout_ms_;
   std::vector<std::uint8_t> rest_;
   AnswerDescriptor descriptor_;
 };

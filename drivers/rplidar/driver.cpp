@@ -14,6 +14,7 @@ namespace fusion_slam {
 namespace {
 
 constexpr int kReadMs = 20;
+constexpr int kBootingMs = 80;    // a device that boots is asked often
 constexpr int kMostFailures = 8;  // then other speeds and ports get their chance
 constexpr std::int64_t kDroppedReport_us = 1'000'000;  // at most one report in this time
 constexpr int kSlowRestarts =
@@ -140,7 +141,7 @@ void RplidarDriver::bring_up() {
   port_->set_dtr(false);
   if (restart_asked_.exchange(false)) {
     device.reset();
-    await_boot(&device);
+    await_boot();
   }
   device.stop();
   try {
@@ -179,16 +180,17 @@ void RplidarDriver::check_health(RplidarDevice* device) {
     if (resets == 2) throw DeviceError(why);
     trouble(port_->path() + ": " + why, false);
     device->reset();
-    await_boot(device);
+    await_boot();
   }
 }
 
-void RplidarDriver::await_boot(RplidarDevice* device) {
+void RplidarDriver::await_boot() {
+  RplidarDevice booting(*port_, kBootingMs);
   const Us deadline_us = steady_us() + config_.boot_ms * 1000LL;
   std::this_thread::sleep_for(std::chrono::milliseconds(kReadMs));
   for (;;) {
     try {
-      device->info();
+      booting.info();
       return;
     } catch (const DeviceError&) {
       if (steady_us() > deadline_us) throw;

@@ -48,7 +48,7 @@ class RplidarDriver {
   void open_port();
   void bring_up();
   void check_health(RplidarDevice* device);
-  void await_boot(RplidarDevice* device);
+  void await_boot();
   void scan(const std::atomic<bool>& stop);
   void take_turns(std::vector<Revolution>* turns, Us now_us, Watch* watch);
   void supervise(const ScanParser& parser, Us now_us, Watch* watch);
