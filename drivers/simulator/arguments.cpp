@@ -95,6 +95,8 @@ void add_simulation_arguments(CLI::App& app, SimulationArguments* arguments) {
   app.add_option("--threads", o.threads, "frames rendered at the same time")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_flag("--random-route", o.random_route,
+               "safe way points from the seed, from the route's first on");
   app.add_flag("--hand-held", o.hand_held,
                "the camera alone, carried along the route with swaying height and direction");
   app.add_flag("--no-noise", arguments->no_noise, "ideal sensors and wheels: --without all");

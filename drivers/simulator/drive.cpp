@@ -41,6 +41,7 @@ Drive::Drive(const std::vector<Eigen::Vector2d>& route_m, const DriveLimits& lim
     const SE2& pose = step.T_world_base;
     Eigen::Vector2d to_goal = route_m[goal] - Eigen::Vector2d(pose.x, pose.y);
     if (to_goal.norm() < kReachedM) {
+      if (lap_s_ == 0.0) arrivals_s_.push_back(static_cast<double>(i) * kStepS);
       if (goal == 0 && lap_s_ == 0.0) lap_s_ = static_cast<double>(i) * kStepS;
       goal = (goal + 1) % route_m.size();
       to_goal = route_m[goal] - Eigen::Vector2d(pose.x, pose.y);

@@ -31,10 +31,13 @@ class Drive {
 
   SE2 T_world_base(double time_s) const;  // exact: an arc within each step
   const std::vector<Step>& steps() const { return steps_; }
+  // When each way point was first reached: the second one, the third ..., then the first again.
+  const std::vector<double>& arrivals_s() const { return arrivals_s_; }
   double lap_s() const { return lap_s_; }  // first return to the start; 0: not within the time
 
  private:
   std::vector<Step> steps_;
+  std::vector<double> arrivals_s_;
   double lap_s_ = 0.0;
 };
 

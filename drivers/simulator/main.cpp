@@ -9,17 +9,21 @@
 #include "drivers/simulator/arguments.hpp"
 #include "drivers/simulator/recording.hpp"
 #include "drivers/simulator/truth_files.hpp"
+#include "libs/log_export/carmen_export.hpp"
+#include "libs/log_export/tum_export.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app("Writes the LCM log of a simulated robot's drive, with exact ground truth",
                "simulate");
   fusion_slam::SimulationArguments arguments;
-  std::string out, truth;
+  std::string out, truth, tum, carmen;
   fusion_slam::add_simulation_arguments(app, &arguments);
   app.add_option("--out", out, "the LCM log to write")->required();
   app.add_option(
       "--truth", truth,
       "directory for the true map: map.yaml, classes.pgm (for `eval map`), surfaces.ply");
+  app.add_option("--export-tum", tum, "also a TUM RGB-D directory of the run (see `export tum`)");
+  app.add_option("--export-carmen", carmen, "also a CARMEN log of the run (see `export carmen`)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -45,7 +49,12 @@ int main(int argc, char** argv) {
               << summary.n_frames << " frames, " << summary.size_bytes / 1'000'000 << " MB";
     if (summary.lap_s > 0.0) std::cout << "; back at the start after " << summary.lap_s << " s";
     std::cout << "\n";
+    if (!tum.empty()) fusion_slam::export_tum(out, tum, {});
+    if (!carmen.empty()) fusion_slam::export_carmen(out, carmen, {});
     return 0;
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "simulate: " << error.what() << "\n";
+    return 2;
   } catch (const std::exception& error) {
     std::cerr << "simulate: " << error.what() << "\n";
     return 1;

@@ -7,6 +7,7 @@
 
 #include "drivers/simulator/camera_renderer.hpp"
 #include "drivers/simulator/random.hpp"
+#include "drivers/simulator/random_route.hpp"
 #include "libs/camera_messages/images.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
@@ -67,12 +68,17 @@ CameraModel camera_for(const std::optional<Route>& route, const SimulationOption
   return camera;
 }
 
-std::vector<Eigen::Vector2d> way_points_for(const World& world, const std::optional<Route>& route) {
-  if (route) return route->way_points_m;
-  if (world.route_m.size() < 2)
+std::vector<Eigen::Vector2d> way_points_for(const World& world, const std::optional<Route>& route,
+                                            const SimulationOptions& options, double seconds) {
+  if (!route && world.route_m.size() < 2)
     throw std::invalid_argument(
         "the world has no route of its own: give a route file (config/routes)");
-  return world.route_m;
+  if (!options.random_route) return route ? route->way_points_m : world.route_m;
+  RandomRouteOptions random;
+  random.limits = route ? route->limits : world.limits;
+  random.seconds = seconds;
+  random.start_m = route ? route->way_points_m.front() : world.route_m.front();
+  return random_route(world, random, options.seed);
 }
 
 }  // namespace
@@ -114,7 +120,7 @@ struct Simulation::Impl {
         scene(world.boxes, world.meshes),
         robot(robot_for(route, options)),
         camera(camera_for(route, options)),
-        way_points_m(way_points_for(world, route)),
+        way_points_m(way_points_for(world, route, options, seconds)),
         drive(way_points_m, route ? route->limits : world.limits, seconds + 1.0),
         odometry(wheel_odometry(drive, options.noise.wheels, options.seed, true)),
         sway(HandHeld{}, options.seed),
