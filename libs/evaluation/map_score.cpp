@@ -19,6 +19,32 @@ CellState reference_at(const MapRaster& raster, int column, int row) {
   return state_of_cell(raster.probability[raster.index(column, row)]);
 }
 
+// Least squares in x, y and yaw: positions on one line, a straight drive, are enough for that.
+Outcome<Similarity> align_in_plane(const MatchedPoses& matched, const std::string& otherwise) {
+  Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();
+  const double n = static_cast<double>(matched.size());
+  const auto position = [](const StampedPose& p) -> Eigen::Vector2d {
+    return p.T_world_body.translation().head<2>();
+  };
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    from += position(matched.estimate[i]) / n;
+    to += position(matched.reference[i]) / n;
+  }
+  double dot = 0.0, cross = 0.0, spread = 0.0;
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    const Eigen::Vector2d a = position(matched.estimate[i]) - from;
+    const Eigen::Vector2d b = position(matched.reference[i]) - to;
+    dot += a.dot(b);
+    cross += a.x() * b.y() - a.y() * b.x();
+    spread += a.squaredNorm() / n;
+  }
+  constexpr double kLeastSpread_m = 0.1;
+  if (spread < kLeastSpread_m * kLeastSpread_m) return Outcome<Similarity>::failure(otherwise);
+  const double yaw = std::atan2(cross, dot);
+  const Eigen::Vector2d shift = to - Eigen::Rotation2Dd(yaw) * from;
+  return Outcome<Similarity>::success({1.0, to_se3(SE2{shift.x(), shift.y(), yaw})});
+}
+
 // A square of (2 * tolerance + 1) cells around every occupied cell, in two passes.
 class Dilated {
  public:
@@ -59,7 +85,8 @@ Outcome<MapAlignment> align_maps(const Trajectory& reference, const Trajectory& 
                                  double max_diff_s) {
   const auto matched = match_poses(reference, estimate, max_diff_s);
   if (!matched) return Outcome<MapAlignment>::failure(matched.problem);
-  const auto similarity = find_alignment(*matched, Alignment::kSe3);
+  auto similarity = find_alignment(*matched, Alignment::kSe3);
+  if (!similarity) similarity = align_in_plane(*matched, similarity.problem);
   if (!similarity) return Outcome<MapAlignment>::failure(similarity.problem);
   MapAlignment alignment;
   alignment.T_ref_est = to_se2(similarity->T_to_from);

@@ -16,7 +16,8 @@
 namespace fusion_slam {
 
 // The motion that takes the estimated map to the reference: the planar part of the least-squares
-// SE(3) alignment (Umeyama 1991) of two trajectories of the same frame, matched within max_diff_s.
+// SE(3) alignment (Umeyama 1991) of two trajectories of the same frame, matched within max_diff_s;
+// of positions on one line, least squares in the plane. Fails for positions in one place.
 struct MapAlignment {
   SE2 T_ref_est;
   double tilt_rad = 0.0;  // of the SE(3) alignment's z axis: left out, a levelled map has none

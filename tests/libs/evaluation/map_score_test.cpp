@@ -187,6 +187,24 @@ TEST(MapScore, AlignsByTrajectories) {
   EXPECT_FALSE(align_maps(reference, {{100.0, SE3::Identity()}}, 0.01));
 }
 
+TEST(MapScore, AStraightDriveAligns) {
+  const SE3 T_ref_est = from_xyz_rpy(2.0, -1.0, 0.0, 0.0, 0.0, -2.5);
+  Trajectory reference, estimate;
+  for (int i = 0; i < 20; ++i) {
+    const SE3 T_est_body = from_xyz_rpy(0.1 * i, 0.3, 0.0, 0.0, 0.0, 0.0);
+    estimate.push_back({1.0 * i, T_est_body});
+    reference.push_back({1.0 * i, T_ref_est * T_est_body});
+  }
+  const auto alignment = align_maps(reference, estimate, 0.01);
+  ASSERT_TRUE(alignment) << alignment.problem;
+  EXPECT_NEAR(alignment->T_ref_est.x, 2.0, 1e-9);
+  EXPECT_NEAR(alignment->T_ref_est.y, -1.0, 1e-9);
+  EXPECT_NEAR(alignment->T_ref_est.yaw, -2.5, 1e-9);
+  EXPECT_NEAR(alignment->rmse_m, 0.0, 1e-9);
+  for (StampedPose& pose : estimate) pose.T_world_body = SE3::Identity();  // stands still
+  EXPECT_FALSE(align_maps(reference, estimate, 0.01));
+}
+
 TEST(MapScore, AnAbsurdlyLargeMapIsAFailure) {
   const MapRaster reference = drawn({"#."}, 1e-6);
   const MapRaster estimate = drawn({"#."}, 1.0);

@@ -159,5 +159,39 @@ TEST_F(EvalProgram, EqualsEvoOnRealTrajectories) {
               1e-11);
 }
 
+TEST_F(EvalProgram, MapAgainstItselfMovedIsPerfectAfterAlignment) {
+  const std::string cells =
+      std::string(4, '\0') + std::string("\0\xFE\xFE\0", 4) + std::string(4, '\0');
+  std::ofstream(path("map.pgm"), std::ios::binary) << "P5\n4 3\n255\n" << cells;
+  std::ofstream(path("ref.yaml")) << "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n";
+  std::ofstream(path("est.yaml")) << "image: map.pgm\nresolution: 0.1\norigin: [0, 0.1, 0]\n";
+  std::ofstream(path("classes.pgm"), std::ios::binary)
+      << "P5\n4 3\n255\n"
+      << std::string("\1\1\1\1\3\0\0\1\1\1\1\1", 12);
+  const std::string maps = "map " + path("ref.yaml") + " " + path("est.yaml");
+  const RunOutcome aligned =
+      eval(maps + " --align " + both() + " --tolerance-cells 0 --classes " + path("classes.pgm") +
+           " --json " + path("map.json") + " --plot " + path("map.png"));
+  EXPECT_EQ(aligned.exit_code, 0) << aligned.output;
+  EXPECT_THAT(aligned.output, AllOf(HasSubstr("recall           100.00 %   (10 of 10"),
+                                    HasSubstr("chair               1     100.00 %")));
+  const auto json = read_json("map.json");
+  EXPECT_EQ(json["precision"], 1.0);
+  EXPECT_EQ(json["by_class"]["wall"]["cells"], 9);
+  EXPECT_NEAR(json["alignment"]["y_m"].get<double>(), -0.1, 1e-6);
+  EXPECT_GT(std::filesystem::file_size(path("map.png")), 1000U);
+
+  const RunOutcome as_it_is = eval(maps + " --tolerance-cells 0");
+  EXPECT_EQ(as_it_is.exit_code, 0) << as_it_is.output;
+  EXPECT_THAT(as_it_is.output, AllOf(HasSubstr("use --align"), HasSubstr("(4 of 10 in the")));
+}
+
+TEST_F(EvalProgram, MapProblemsAreNamed) {
+  EXPECT_EQ(eval("map " + path("none.yaml") + " " + path("none.yaml")).exit_code, 1);
+  EXPECT_THAT(eval("map " + path("none.yaml") + " " + path("none.yaml")).output,
+              HasSubstr("none.yaml: can't be read"));
+  EXPECT_EQ(eval("map " + path("none.yaml")).exit_code, 2);
+}
+
 }  // namespace
 }  // namespace fusion_slam
