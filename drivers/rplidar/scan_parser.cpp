@@ -19,7 +19,10 @@ constexpr double kTurnSlackDeg = 40.0;
 constexpr double kLargestStepDeg = 180.0;
 constexpr double kStepGrowth = 1.6;
 constexpr std::size_t kMostPending = 32'768;  // samples: 4 s of the fastest device
-constexpr std::size_t kFewest = 8;
+constexpr double kFewest = 8;
+// Whole nodes that a full buffer swallows leave no trace but a turn with fewer samples. A real
+// motor's turns differ by 3 %.
+constexpr double kUnevenShare = 0.08;
 // A byte too few or too many is seen one to three nodes later: a turn is handed out when so many
 // samples behind it fit.
 constexpr std::size_t kConfirmation = 8;
@@ -183,9 +186,14 @@ void ScanParser::finish_turn() {
   finished_.reset();
   if (turn_damaged_) {
     ++counters_.damaged;
+    last_count_ = 0.0;
     return;
   }
-  if (turn_.measurements.size() < kFewest || std::abs(turned_deg_ - 360.0) > kTurnSlackDeg) {
+  const auto count = static_cast<double>(turn_.measurements.size());
+  const bool uneven =
+      last_count_ > 0.0 && std::abs(count - last_count_) > kUnevenShare * last_count_;
+  last_count_ = count;
+  if (count < kFewest || uneven || std::abs(turned_deg_ - 360.0) > kTurnSlackDeg) {
     ++counters_.incomplete;
     return;
   }

@@ -33,7 +33,9 @@ struct ScanParserCounters {
   std::int64_t samples = 0;
   std::int64_t revolutions = 0;  // handed out
   std::int64_t damaged = 0;      // turns not handed out: a packet in them was bad or missing
-  std::int64_t incomplete = 0;   // turns not handed out: they did not go around once
+  std::int64_t incomplete =
+      0;  // turns not handed out: they did not go around once, or have far more
+          // or fewer samples than the one before (lost, or the motor's speed jumps)
 };
 
 class ScanParser {
@@ -82,6 +84,7 @@ class ScanParser {
   bool turn_begun_ = false;
   bool turn_damaged_ = false;
   double turned_deg_ = 0.0;  // angle covered by turn_
+  double last_count_ = 0.0;  // samples of the turn before; 0: unknown
 };
 
 }  // namespace fusion_slam

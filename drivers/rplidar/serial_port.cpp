@@ -50,9 +50,8 @@ class SerialPort::Backend {
 
 class SerialPort::LibSerialPort : public SerialPort::Backend {
  public:
-  LibSerialPort(const std::string& path, int baud) {
-    if (sp_get_port_by_name(path.c_str(), &port_) != SP_OK)
-      throw PortError(path + " is no serial port");
+  // Takes over what find() has found.
+  LibSerialPort(sp_port* port, const std::string& path, int baud) : port_(port) {
     try {
       if (sp_open(port_, SP_MODE_READ_WRITE) != SP_OK) fail_to_open(path, errno);
       open_ = true;
@@ -67,6 +66,11 @@ class SerialPort::LibSerialPort : public SerialPort::Backend {
       free_port();
       throw;
     }
+  }
+  // Null when libserialport knows no such port. It wants the device's own name: not /dev/rplidar.
+  static sp_port* find(const std::string& path) {
+    sp_port* port = nullptr;
+    return sp_get_port_by_name(path.c_str(), &port) == SP_OK ? port : nullptr;
   }
   ~LibSerialPort() override { free_port(); }
   LibSerialPort(const LibSerialPort&) = delete;
@@ -87,7 +91,7 @@ class SerialPort::LibSerialPort : public SerialPort::Backend {
     if (open_) sp_close(port_);
     sp_free_port(port_);
   }
-  sp_port* port_ = nullptr;
+  sp_port* port_;
   bool open_ = false;
   int fd_ = -1;
 };
@@ -125,10 +129,12 @@ class SerialPort::Terminal : public SerialPort::Backend {
 SerialPort::SerialPort(const std::string& path, int baud) : path_(path), baud_(baud) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) fail_to_open(path, errno);
-  if (real_path(path).rfind("/dev/pts/", 0) == 0)
+  if (sp_port* port = LibSerialPort::find(real_path(path)))
+    backend_ = std::make_unique<LibSerialPort>(port, path, baud);
+  else if (real_path(path).rfind("/dev/pts/", 0) == 0)
     backend_ = std::make_unique<Terminal>(path);
   else
-    backend_ = std::make_unique<LibSerialPort>(path, baud);
+    throw PortError(path + " is no serial port");
   if (flock(backend_->fd(), LOCK_EX | LOCK_NB) != 0) fail_to_open(path, EBUSY);
   discard_input();
 }

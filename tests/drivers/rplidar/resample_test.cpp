@@ -146,6 +146,17 @@ TEST(SampleClock, TheEarliestArrivalsTellTheTime) {
   EXPECT_LT(worst_us, 1000.0);
 }
 
+TEST(SampleClock, CatchesUpAfterAnUnseenLoss) {
+  SampleClock clock(500e-6);
+  for (std::int64_t n = 0; n < 10'000; ++n) {
+    const std::int64_t lost = n < 4'000 ? 0 : 60;  // samples that never came
+    const double measured_us = 1e9 + static_cast<double>(n + lost) * 500.0;
+    clock.bound(n, measured_us + static_cast<double>(n % 7) * 100.0);
+    if (n >= 4'000 && n <= 6'500) continue;
+    EXPECT_NEAR(static_cast<double>(clock.utime_us(n)), measured_us, 500.0) << n;
+  }
+}
+
 TEST(SampleClock, StartsAnewAfterALoss) {
   SampleClock clock(500e-6);
   EXPECT_EQ(clock.utime_us(0), 0);

@@ -172,6 +172,17 @@ TEST(ScanParser, AMissingCapsuleIsNoticed) {
   for (const Revolution& turn : turns) EXPECT_EQ(wrong_beams(turn, world), 0);
 }
 
+TEST(ScanParser, NodesThatAFullBufferSwallowedAreNoticed) {
+  Bytes bytes = encode(virtual_room(18, 360), ScanFormat::kStandard);
+  const auto begin = bytes.begin() + 5 * 360 * 9 + 5 * 100;
+  bytes.erase(begin, begin + 5 * 35);  // 35 degrees: less than parallax may jump
+  ScanParser parser(ScanFormat::kStandard, kPeriod_s, kByte_s);
+  const auto turns = parse(&parser, bytes, 100);
+  EXPECT_EQ(parser.counters().bad_packets, 0);
+  for (const Revolution& turn : turns) EXPECT_EQ(turn.measurements.size(), 360U);
+  EXPECT_GE(turns.size(), 14U);
+}
+
 TEST(ScanParser, AStandingMotorMakesNoTurnAndNoHeap) {
   ScanParser parser(ScanFormat::kStandard, kPeriod_s, kByte_s);
   const Bytes first = wire::standard_node({0.0, 0.0, 1.0, 40, true});

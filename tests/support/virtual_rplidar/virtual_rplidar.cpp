@@ -16,6 +16,9 @@ namespace {
 
 constexpr double kSlowHz = 0.8;
 constexpr double kMishaps = 30.0;  // a second
+constexpr double kFullLine = 1.05;
+constexpr double kUsualPeriod_s = 500e-6;
+constexpr auto kMostOnTheLine = std::chrono::milliseconds(100);
 constexpr auto kBoot = std::chrono::milliseconds(300);
 const char kBootText[] = "RP LIDAR System.\r\nFirmware Ver 1.29 - rc9, HW Ver 7\r\nModel: 18\r\n";
 
@@ -61,7 +64,10 @@ VirtualRplidar::VirtualRplidar(VirtualRplidarOptions options)
     n += static_cast<double>(turn.samples.size());
   }
   first_sample_.push_back(n);
-  standard_period_s_ = static_cast<double>(options_.world.turns.size()) / (options_.rate_hz * n);
+  natural_period_s_ = static_cast<double>(options_.world.turns.size()) / (options_.rate_hz * n);
+  // No more than the line carries: where the world has more, samples are passed over.
+  standard_period_s_ =
+      natural_period_s_ > kFullLine * 50.0 / model_.baud ? natural_period_s_ : kUsualPeriod_s;
   if (model_.has_board) motor_pwm_ = 0;
   plug_in();
   measured_until_ = Clock::now();
@@ -113,6 +119,7 @@ void VirtualRplidar::enter_fault(VirtualFault fault) {
     boots_until_ = Clock::now();
   }
   fault_ = fault;
+  if (fault == VirtualFault::kUnplug || fault == VirtualFault::kStall) out_.clear();
   if (fault == VirtualFault::kUnplug) unplug();
   if (fault == VirtualFault::kHealth) protection_stop_ = true;
   if (fault == VirtualFault::kUnplug || fault == VirtualFault::kHealth ||
@@ -126,12 +133,14 @@ void VirtualRplidar::run() {
       const std::lock_guard<std::mutex> lock(mutex_);
       if (master_ >= 0) read_requests();
       measure();
+      transmit();
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
 
 void VirtualRplidar::read_requests() {
+  sending_from_ = Clock::now();
   std::uint8_t bytes[256];
   const ssize_t n = read(master_, bytes, sizeof bytes);
   if (n <= 0 || fault_ == VirtualFault::kStall || Clock::now() < boots_until_) return;
@@ -240,7 +249,7 @@ void VirtualRplidar::start_scan(std::uint8_t type) {
 
 double VirtualRplidar::step() const {
   if (motor_pwm_ == 0) return 0.0;
-  const double usual = sample_period_s_ / standard_period_s_;
+  const double usual = sample_period_s_ / natural_period_s_;
   return fault_ == VirtualFault::kSlowMotor ? usual * kSlowHz / options_.rate_hz : usual;
 }
 
@@ -270,6 +279,7 @@ void VirtualRplidar::measure() {
   const auto now = Clock::now();
   while (measured_until_ + seconds(sample_period_s_) <= now) {
     measured_until_ += seconds(sample_period_s_);
+    sending_from_ = measured_until_;
     const wire::Sample sample = next_sample();
     if (!scanning_ || motor_pwm_ == 0) continue;
     if (type_ == 0x81) {
@@ -311,8 +321,20 @@ void VirtualRplidar::send_packet(Bytes packet) {
 
 void VirtualRplidar::send(const Bytes& bytes) {
   if (master_ < 0 || fault_ == VirtualFault::kStall) return;
-  // A UART does not wait: what nobody takes is lost.
-  if (write(master_, bytes.data(), bytes.size()) < 0) return;
+  if (line_free_ > Clock::now() + kMostOnTheLine) return;  // its buffer is full
+  const double byte_s = 10.0 / model_.baud;
+  line_free_ =
+      std::max(line_free_, sending_from_) + seconds(byte_s * static_cast<double>(bytes.size()));
+  out_.push_back({line_free_, bytes});
+}
+
+void VirtualRplidar::transmit() {
+  const auto now = Clock::now();
+  for (; !out_.empty() && out_.front().arrives <= now; out_.pop_front()) {
+    const Bytes& bytes = out_.front().bytes;
+    // A UART does not wait: what nobody takes is lost.
+    if (master_ >= 0 && write(master_, bytes.data(), bytes.size()) < 0) continue;
+  }
 }
 
 }  // namespace fusion_slam

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <mutex>
 #include <random>
@@ -74,12 +75,14 @@ class VirtualRplidar {
   wire::Sample next_sample();
   void send_packet(Bytes packet);
   void send(const Bytes& bytes);
+  void transmit();      // what the line has carried by now
   double step() const;  // of position_, from sample to sample
   bool once_in(double n) { return std::uniform_real_distribution<>(0.0, n)(random_) < 1.0; }
 
   VirtualRplidarOptions options_;
   VirtualModel model_;
   std::vector<double> first_sample_;  // of each turn, and the end
+  double natural_period_s_ = 5e-4;    // at which each sample of the world is measured once
   double standard_period_s_ = 5e-4;
   std::mt19937 random_;
 
@@ -88,6 +91,13 @@ class VirtualRplidar {
   int master_ = -1;
   int slave_ = -1;  // held, so that the line does not hang up when the driver closes it
   Bytes in_;
+  struct OnTheLine {
+    Clock::time_point arrives;
+    Bytes bytes;
+  };
+  std::deque<OnTheLine> out_;
+  Clock::time_point line_free_;
+  Clock::time_point sending_from_;  // when what is sent next was ready
   std::atomic<bool> scanning_{false};
   std::atomic<int> motor_pwm_{-1};  // -1: turns by itself
   std::atomic<std::int64_t> bad_requests_{0};

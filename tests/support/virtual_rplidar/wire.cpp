@@ -9,11 +9,11 @@ namespace {
 
 const std::vector<VirtualModel>& models() {
   static const std::vector<VirtualModel> all = {
-      {"a1", 0x18, 1, 29, 7, true, true, false, false},
-      {"a1-1.20", 0x18, 1, 20, 5, true, false, false, false},
-      {"a1-1.15", 0x18, 1, 15, 2, false, false, false, false},
-      {"a2", 0x28, 1, 29, 5, true, true, false, true},
-      {"s2", 0x71, 1, 2, 18, true, true, true, false}};
+      {"a1", 0x18, 1, 29, 7, true, true, false, 115'200, false},
+      {"a1-1.20", 0x18, 1, 20, 5, true, false, false, 115'200, false},
+      {"a1-1.15", 0x18, 1, 15, 2, false, false, false, 115'200, false},
+      {"a2", 0x28, 1, 29, 5, true, true, false, 115'200, true},
+      {"s2", 0x71, 1, 2, 18, true, true, true, 1'000'000, false}};
   return all;
 }
 

@@ -19,6 +19,7 @@ struct VirtualModel {
   bool has_rates = true;   // GET_SAMPLERATE, EXPRESS_SCAN
   bool has_conf = true;    // GET_LIDAR_CONF
   bool has_dense = false;  // mode 3
+  int baud = 115'200;
   bool has_board = false;  // SET_MOTOR_PWM; the motor stands until told
 };
 // a1, a1-1.20 (without GET_LIDAR_CONF), a1-1.15 (standard scan only), a2, s2. Throws

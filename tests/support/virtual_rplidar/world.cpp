@@ -73,7 +73,7 @@ VirtualWorld virtual_room(int n_turns, int n_samples) {
   for (int t = 0; t < n_turns; ++t) {
     VirtualTurn turn;
     turn.utime_us = static_cast<std::int64_t>(1e6 * t / world.rate_hz);
-    const double post_deg = 20.0 * t;
+    const double post_deg = 30.0 + std::fmod(15.0 * t, 300.0);  // never where a turn begins
     for (int i = 0; i < n_samples; ++i) {
       const double angle_deg = 360.0 * i / n_samples;
       const double x = std::cos(angle_deg * M_PI / 180.0);
