@@ -10,9 +10,20 @@ namespace {
 constexpr int kAcross = 4, kDown = 2;  // pixels of a packet
 constexpr int kTilePx = 32;            // packets near each other meet the same things
 constexpr float kNearM = 0.02F;        // nearer things are not seen
-// Where the surface's inverse depth bends by more than this part between neighbours, there is an
-// edge within a mesh. On a plane it does not bend at all.
-constexpr float kBend = 0.02F;
+// Within a mesh there is an edge where the inverse depth bends by more than this part between
+// neighbours; on a plane it does not bend at all.
+constexpr float kBend = 0.01F;
+constexpr float kContrast = 6.0F;  // grey values; an edge between likes needs no smoothing
+
+bool contrast(const cv::Vec3f& a, const cv::Vec3f& b) {
+  return std::max({std::fabs(a[0] - b[0]), std::fabs(a[1] - b[1]), std::fabs(a[2] - b[2])}) >
+         kContrast;
+}
+
+// 1 / before + 1 / after - 2 / here against kBend / here, all times before * after * here.
+bool bends(float before, float here, float after) {
+  return std::fabs(here * (before + after) - 2.0F * before * after) > kBend * before * after;
+}
 
 }  // namespace
 
@@ -32,22 +43,19 @@ struct CameraRenderer::View {
   std::vector<Face> faces;
 };
 
-struct CameraRenderer::Trace {
-  cv::Mat_<std::int32_t> primitive;
-  cv::Mat_<float> u, v;
-};
-
 CameraRenderer::CameraRenderer(const Scene& scene, Lighting lighting, CameraModel camera,
                                bool supersample)
     : scene_(scene),
       lighting_(std::move(lighting)),
       camera_(camera),
       supersample_(supersample),
+      pixel_rad_(static_cast<float>(1.0 / camera.fx_px)),
       faces_(scene.boxes().size() * 6),
       meshes_(scene.meshes().size()) {
-  for (int u = 0; u < camera_.width_px; ++u)
+  // A packet may look past the border.
+  for (int u = 0; u < camera_.width_px + kAcross; ++u)
     x_.push_back(static_cast<float>((u - camera_.cx_px) / camera_.fx_px));
-  for (int v = 0; v < camera_.height_px; ++v)
+  for (int v = 0; v < camera_.height_px + kDown; ++v)
     y_.push_back(static_cast<float>((v - camera_.cy_px) / camera_.fy_px));
 }
 
@@ -82,99 +90,115 @@ const MeshSurface& CameraRenderer::mesh(std::int32_t index) const {
   return *painted.surface;
 }
 
+// A pixel covers an ellipse; a circle of its area blurs and flickers least.
+float CameraRenderer::footprint(float depth, float cosine) const {
+  return depth * pixel_rad_ / std::sqrt(std::max(cosine, 0.05F));
+}
+
 std::array<float, 3> CameraRenderer::colour(View* view, std::int32_t geometry,
                                             std::int32_t primitive, float u, float v, float depth,
                                             float cosine, float x, float y) const {
-  // A pixel covers an ellipse; a circle of its area blurs and flickers least.
-  const float footprint =
-      depth / static_cast<float>(camera_.fx_px) / std::sqrt(std::max(cosine, 0.05F));
-  if (geometry > 0) return mesh(geometry - 1).at(primitive, u, v, footprint);
+  if (geometry < 0) {
+    const cv::Vec3f& c = lighting_.background_bgr;
+    return {c[0], c[1], c[2]};
+  }
+  if (geometry > 0) return mesh(geometry - 1).at(primitive, u, v, footprint(depth, cosine));
   const Face& f = face(view, primitive);
   return f.picture->at(f.offset_x + depth * (f.slope_x.x() * x + f.slope_x.y() * y + f.slope_x.z()),
                        f.offset_y + depth * (f.slope_y.x() * x + f.slope_y.y() * y + f.slope_y.z()),
-                       footprint * f.texels_per_m);
+                       footprint(depth, cosine) * f.texels_per_m);
 }
 
-void CameraRenderer::trace(const View& view, Trace* trace, RenderedFrame* frame) const {
-  const int width = camera_.width_px, height = camera_.height_px;
+void CameraRenderer::packet(View* view, int left, int top, RenderedFrame* frame) const {
   const auto first_mesh = static_cast<std::int32_t>(6 * scene_.boxes().size());
-  const Eigen::Matrix3f& R = view.R_world_camera;
+  const Eigen::Matrix3f& R = view->R_world_camera;
   RayPacket rays;
-  const auto packet = [&](int left, int top) {
-    for (int i = 0; i < 8; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const float x = x_[static_cast<std::size_t>(std::min(left + i % kAcross, width - 1))];
-      const float y = y_[static_cast<std::size_t>(std::min(top + i / kAcross, height - 1))];
-      rays.x[k] = R(0, 0) * x + R(0, 1) * y + R(0, 2);
-      rays.y[k] = R(1, 0) * x + R(1, 1) * y + R(1, 2);
-      rays.z[k] = R(2, 0) * x + R(2, 1) * y + R(2, 2);
+  alignas(32) std::array<float, 8> x, y;
+  const float* columns_x = &x_[static_cast<std::size_t>(left)];
+  for (std::size_t row = 0; row < kDown; ++row) {
+    std::copy_n(columns_x, kAcross, x.begin() + row * kAcross);
+    std::fill_n(y.begin() + row * kAcross, kAcross, y_[static_cast<std::size_t>(top) + row]);
+  }
+  for (std::size_t k = 0; k < 8; ++k) {
+    rays.x[k] = R(0, 0) * x[k] + R(0, 1) * y[k] + R(0, 2);
+    rays.y[k] = R(1, 0) * x[k] + R(1, 1) * y[k] + R(1, 2);
+    rays.z[k] = R(2, 0) * x[k] + R(2, 1) * y[k] + R(2, 2);
+  }
+  scene_.cast(view->origin, view->within_a_box, kNearM, &rays);
+  bool same_thing = rays.geometry[0] >= 0;
+  bool same_face = rays.geometry[0] == 0;
+  for (std::size_t k = 1; k < 8; ++k) {
+    same_thing = same_thing && rays.geometry[k] == rays.geometry[0];
+    same_face = same_face && rays.primitive[k] == rays.primitive[0];
+  }
+  same_face = same_face && same_thing;
+  const float covered =
+      footprint(0.5F * (rays.t[0] + rays.t[7]), 0.5F * (rays.cosine[0] + rays.cosine[7]));
+  std::array<std::array<float, 4>, 8> bgr;
+  if (same_face) {
+    const Face& f = face(view, rays.primitive[0]);
+    alignas(32) std::array<float, 8> s, t;
+    for (std::size_t k = 0; k < 8; ++k) {
+      s[k] = f.offset_x + rays.t[k] * (f.slope_x.x() * x[k] + f.slope_x.y() * y[k] + f.slope_x.z());
+      t[k] = f.offset_y + rays.t[k] * (f.slope_y.x() * x[k] + f.slope_y.y() * y[k] + f.slope_y.z());
     }
-    scene_.cast(view.origin, view.within_a_box, kNearM, &rays);
-    for (int i = 0; i < 8; ++i) {
-      const int px = left + i % kAcross, py = top + i / kAcross;
-      if (px >= width || py >= height) continue;
-      const auto k = static_cast<std::size_t>(i);
-      const std::int32_t geometry = rays.geometry[k];
-      frame->surface(py, px) =
-          geometry > 0 ? first_mesh + geometry - 1 : (geometry == 0 ? rays.primitive[k] : -1);
-      frame->depth_m(py, px) = geometry < 0 ? 0.0F : rays.t[k];
-      frame->cosine(py, px) = rays.cosine[k];
-      trace->primitive(py, px) = rays.primitive[k];
-      trace->u(py, px) = rays.u[k];
-      trace->v(py, px) = rays.v[k];
-    }
-  };
-  for (int tile_y = 0; tile_y < height; tile_y += kTilePx)
-    for (int tile_x = 0; tile_x < width; tile_x += kTilePx)
-      for (int y = tile_y; y < std::min(tile_y + kTilePx, height); y += kDown)
-        for (int x = tile_x; x < std::min(tile_x + kTilePx, width); x += kAcross) packet(x, y);
-}
-
-void CameraRenderer::shade(View* view, const Trace& trace, RenderedFrame* frame) const {
-  const auto first_mesh = static_cast<std::int32_t>(6 * scene_.boxes().size());
-  const int width = camera_.width_px, height = camera_.height_px;
-  const auto pixel = [&](int u, int v) {
-    const std::int32_t surface = frame->surface(v, u);
-    if (surface < 0) {
-      frame->colour_bgr(v, u) = lighting_.background_bgr;
-      return;
-    }
-    const auto c =
-        colour(view, surface < first_mesh ? 0 : surface - first_mesh + 1, trace.primitive(v, u),
-               trace.u(v, u), trace.v(v, u), frame->depth_m(v, u), frame->cosine(v, u),
-               x_[static_cast<std::size_t>(u)], y_[static_cast<std::size_t>(v)]);
-    frame->colour_bgr(v, u) = cv::Vec3f(c[0], c[1], c[2]);
-  };
-  for (int tile_y = 0; tile_y < height; tile_y += kTilePx)
-    for (int tile_x = 0; tile_x < width; tile_x += kTilePx)
-      for (int v = tile_y; v < std::min(tile_y + kTilePx, height); ++v)
-        for (int u = tile_x; u < std::min(tile_x + kTilePx, width); ++u) pixel(u, v);
-}
-
-void CameraRenderer::smooth_edges(View* view, RenderedFrame* frame) const {
-  const int width = camera_.width_px, height = camera_.height_px;
-  const auto first_mesh = static_cast<std::int32_t>(6 * scene_.boxes().size());
-  const auto bends = [](float before, float here, float after) {
-    // 1/before + 1/after - 2/here, times before * after * here, against kBend / here.
-    const float bend = here * (before + after) - 2.0F * before * after;
-    return std::fabs(bend) > kBend * before * after;
-  };
-  std::vector<cv::Point> edges;
-  for (int v = 0; v < height; ++v) {
-    const std::int32_t* here = frame->surface[v];
-    const std::int32_t* above = frame->surface[std::max(v - 1, 0)];
-    const std::int32_t* below = frame->surface[std::min(v + 1, height - 1)];
-    for (int u = 0; u < width; ++u) {
-      const int left = std::max(u - 1, 0), right = std::min(u + 1, width - 1);
-      bool edge = here[u] != here[left] || here[u] != here[right] || here[u] != above[u] ||
-                  here[u] != below[u];
-      if (!edge && here[u] >= first_mesh)
-        edge = bends(frame->depth_m(v, left), frame->depth_m(v, u), frame->depth_m(v, right)) ||
-               bends(frame->depth_m(std::max(v - 1, 0), u), frame->depth_m(v, u),
-                     frame->depth_m(std::min(v + 1, height - 1), u));
-      if (edge) edges.emplace_back(u, v);
+    f.picture->at(s, t, covered * f.texels_per_m, &bgr);
+  } else if (same_thing && rays.geometry[0] > 0) {
+    mesh(rays.geometry[0] - 1).at(rays.primitive, rays.u, rays.v, covered, &bgr);
+  } else {
+    for (std::size_t k = 0; k < 8; ++k) {
+      const auto c = colour(view, rays.geometry[k], rays.primitive[k], rays.u[k], rays.v[k],
+                            rays.t[k], rays.cosine[k], x[k], y[k]);
+      bgr[k] = {c[0], c[1], c[2], 0.0F};
     }
   }
+  const int columns = std::min(kAcross, camera_.width_px - left);
+  for (int row = 0; row < kDown && top + row < camera_.height_px; ++row) {
+    auto* out_bgr = frame->colour_bgr[top + row] + left;
+    auto* out_depth = frame->depth_m[top + row] + left;
+    auto* out_surface = frame->surface[top + row] + left;
+    auto* out_cosine = frame->cosine[top + row] + left;
+    for (int column = 0; column < columns; ++column) {
+      const auto k = static_cast<std::size_t>(row * kAcross + column);
+      const std::int32_t geometry = rays.geometry[k];
+      out_bgr[column] = cv::Vec3f(bgr[k][0], bgr[k][1], bgr[k][2]);
+      out_depth[column] = geometry < 0 ? 0.0F : rays.t[k];
+      out_surface[column] =
+          geometry > 0 ? first_mesh + geometry - 1 : (geometry == 0 ? rays.primitive[k] : -1);
+      out_cosine[column] = rays.cosine[k];
+    }
+  }
+}
+
+std::vector<cv::Point> CameraRenderer::edges(const RenderedFrame& frame) const {
+  const int width = camera_.width_px, height = camera_.height_px;
+  const auto first_mesh = static_cast<std::int32_t>(6 * scene_.boxes().size());
+  std::vector<cv::Point> edges;
+  for (int v = 0; v < height; ++v) {
+    const int up = std::max(v - 1, 0), down = std::min(v + 1, height - 1);
+    const std::int32_t *here = frame.surface[v], *above = frame.surface[up],
+                       *below = frame.surface[down];
+    const float *z = frame.depth_m[v], *z_above = frame.depth_m[up], *z_below = frame.depth_m[down];
+    for (int u = 0; u < width; ++u) {
+      const int left = std::max(u - 1, 0), right = std::min(u + 1, width - 1);
+      const bool within = here[u] >= first_mesh;
+      const bool across = here[u] != here[left] || here[u] != here[right] ||
+                          (within && bends(z[left], z[u], z[right]));
+      const bool along = here[u] != above[u] || here[u] != below[u] ||
+                         (within && bends(z_above[u], z[u], z_below[u]));
+      if (!across && !along) continue;
+      const cv::Vec3f* c = frame.colour_bgr[v];
+      if ((across && (contrast(c[u], c[left]) || contrast(c[u], c[right]))) ||
+          (along &&
+           (contrast(c[u], frame.colour_bgr[up][u]) || contrast(c[u], frame.colour_bgr[down][u]))))
+        edges.emplace_back(u, v);
+    }
+  }
+  return edges;
+}
+
+void CameraRenderer::smooth(View* view, const std::vector<cv::Point>& edges,
+                            RenderedFrame* frame) const {
   // Two pixels to a packet, four rays each.
   const Eigen::Matrix3f& R = view->R_world_camera;
   const float step_x = 0.25F / static_cast<float>(camera_.fx_px);
@@ -194,10 +218,6 @@ void CameraRenderer::smooth_edges(View* view, RenderedFrame* frame) const {
     for (std::size_t i = first; i < std::min(first + 2, edges.size()); ++i) {
       cv::Vec3f sum(0, 0, 0);
       for (std::size_t k = 4 * (i - first); k < 4 * (i - first) + 4; ++k) {
-        if (rays.geometry[k] < 0) {
-          sum += lighting_.background_bgr;
-          continue;
-        }
         const auto c = colour(view, rays.geometry[k], rays.primitive[k], rays.u[k], rays.v[k],
                               rays.t[k], rays.cosine[k], x[k], y[k]);
         sum += cv::Vec3f(c[0], c[1], c[2]);
@@ -217,10 +237,12 @@ RenderedFrame CameraRenderer::render(const SE3& T_world_camera) const {
   const cv::Size size(camera_.width_px, camera_.height_px);
   RenderedFrame frame{cv::Mat_<cv::Vec3f>(size), cv::Mat_<float>(size),
                       cv::Mat_<std::int32_t>(size), cv::Mat_<float>(size)};
-  Trace what{cv::Mat_<std::int32_t>(size), cv::Mat_<float>(size), cv::Mat_<float>(size)};
-  trace(view, &what, &frame);
-  shade(&view, what, &frame);
-  if (supersample_) smooth_edges(&view, &frame);
+  for (int tile_y = 0; tile_y < size.height; tile_y += kTilePx)
+    for (int tile_x = 0; tile_x < size.width; tile_x += kTilePx)
+      for (int y = tile_y; y < std::min(tile_y + kTilePx, size.height); y += kDown)
+        for (int x = tile_x; x < std::min(tile_x + kTilePx, size.width); x += kAcross)
+          packet(&view, x, y, &frame);
+  if (supersample_) smooth(&view, edges(frame), &frame);
   return frame;
 }
 

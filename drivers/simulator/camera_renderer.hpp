@@ -39,9 +39,8 @@ class CameraRenderer {
   const CameraModel& camera() const { return camera_; }
 
  private:
-  struct Face;   // of a box, in the camera's frame
-  struct View;   // what belongs to one frame
-  struct Trace;  // which surface each pixel sees
+  struct Face;  // of a box, in the camera's frame
+  struct View;  // what belongs to one frame
   struct PaintedFace {
     std::once_flag once;
     std::unique_ptr<const Surface> surface;
@@ -50,11 +49,13 @@ class CameraRenderer {
     std::once_flag once;
     std::unique_ptr<const MeshSurface> surface;
   };
-  void trace(const View& view, Trace* trace, RenderedFrame* frame) const;
-  void shade(View* view, const Trace& trace, RenderedFrame* frame) const;
-  void smooth_edges(View* view, RenderedFrame* frame) const;
+  // Rays through 4 x 2 pixels, and their colours.
+  void packet(View* view, int left, int top, RenderedFrame* frame) const;
+  std::vector<cv::Point> edges(const RenderedFrame& frame) const;
+  void smooth(View* view, const std::vector<cv::Point>& edges, RenderedFrame* frame) const;
   std::array<float, 3> colour(View* view, std::int32_t geometry, std::int32_t primitive, float u,
                               float v, float depth, float cosine, float x, float y) const;
+  float footprint(float depth, float cosine) const;  // metres that a pixel covers
   const Face& face(View* view, std::int32_t index) const;
   const MeshSurface& mesh(std::int32_t index) const;
 
@@ -62,6 +63,7 @@ class CameraRenderer {
   Lighting lighting_;
   CameraModel camera_;
   bool supersample_;
+  float pixel_rad_;
   std::vector<float> x_, y_;                // of a pixel's ray at depth 1, by column and by row
   mutable std::vector<PaintedFace> faces_;  // box * 6 + face
   mutable std::vector<PaintedMesh> meshes_;

@@ -102,4 +102,34 @@ std::array<float, 3> MeshSurface::at(std::int32_t triangle, float u, float v,
   return bgr;
 }
 
+void MeshSurface::at(const std::array<std::int32_t, 8>& triangle, const std::array<float, 8>& u,
+                     const std::array<float, 8>& v, float footprint_m,
+                     std::array<std::array<float, 4>, 8>* bgr) const {
+  float least = 1e30F, most = 0.0F;
+  for (const std::int32_t i : triangle) {
+    const float scale = triangles_[static_cast<std::size_t>(i)].texels_per_m;
+    least = std::min(least, scale);
+    most = std::max(most, scale);
+  }
+  if (!mesh_.picture || mesh_.uv.empty() || most > 1.5F * least) {
+    for (std::size_t k = 0; k < 8; ++k) {
+      const auto c = at(triangle[k], u[k], v[k], footprint_m);
+      (*bgr)[k] = {c[0], c[1], c[2], 0.0F};
+    }
+    return;
+  }
+  alignas(32) std::array<float, 8> x, y, lit;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Triangle& t = triangles_[static_cast<std::size_t>(triangle[k])];
+    const float w = 1.0F - u[k] - v[k];
+    x[k] = w * t.x[0] + u[k] * t.x[1] + v[k] * t.x[2];
+    y[k] = w * t.y[0] + u[k] * t.y[1] + v[k] * t.y[2];
+    lit[k] = light(t, u[k], v[k]) * (kWhiteGrey / 255.0F);
+  }
+  mesh_.picture->at(x, y, footprint_m * most, bgr);
+  for (std::size_t k = 0; k < 8; ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      (*bgr)[k][c] = std::min(255.0F, (*bgr)[k][c] * mesh_.bgr[c] * lit[k]);
+}
+
 }  // namespace fusion_slam

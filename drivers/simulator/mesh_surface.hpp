@@ -18,6 +18,11 @@ class MeshSurface {
   // Blue, green, red, 0 to 255, at the triangle's (u, v) (see SceneHit) as seen by a pixel that
   // covers footprint_m of it.
   std::array<float, 3> at(std::int32_t triangle, float u, float v, float footprint_m) const;
+  // The same for eight pixels next to each other, which cover about the same. One mip level
+  // serves them all unless the picture's scale changes between them.
+  void at(const std::array<std::int32_t, 8>& triangle, const std::array<float, 8>& u,
+          const std::array<float, 8>& v, float footprint_m,
+          std::array<std::array<float, 4>, 8>* bgr) const;
 
  private:
   struct Triangle {

@@ -60,9 +60,12 @@ inline std::array<float, 4> blend(const Texel* top, const Texel* bottom, int a, 
   return out;
 }
 
-// x within [0, width), the picture repeated.
-inline float repeated(float x, float width) {
-  x -= std::floor(x / width) * width;
+// x within [0, width), the picture repeated. |x| below 2^31 widths.
+inline float repeated(float x, float width, float inverse) {
+  const float turns = x * inverse;
+  float whole = static_cast<float>(static_cast<int>(turns));
+  whole = whole > turns ? whole - 1.0F : whole;
+  x -= whole * width;
   return x < width && x >= 0.0F ? x : 0.0F;
 }
 
@@ -114,8 +117,8 @@ inline std::array<float, 4> MipMap::bilinear(const Level& level, float x, float 
   y = y * level.scale_y - 0.5F;
   const auto w = static_cast<float>(level.width), h = static_cast<float>(level.height);
   if (beyond_ == Beyond::kRepeat) {
-    x = repeated(x, w);
-    y = repeated(y, h);
+    x = repeated(x, w, 1.0F / w);
+    y = repeated(y, h, 1.0F / h);
   } else {
     x = std::min(std::max(x, 0.0F), w - 1.0F);
     y = std::min(std::max(y, 0.0F), h - 1.0F);
@@ -129,20 +132,69 @@ inline std::array<float, 4> MipMap::bilinear(const Level& level, float x, float 
   return blend(top, top + stride, a, b);
 }
 
-std::array<float, 3> MipMap::at(float x, float y, float footprint) const {
+void MipMap::bilinear(const Level& level, const std::array<float, 8>& x,
+                      const std::array<float, 8>& y,
+                      std::array<std::array<float, 4>, 8>* out) const {
+  const auto w = static_cast<float>(level.width), h = static_cast<float>(level.height);
+  const int stride = level.width + 1;
+  alignas(32) std::array<int, 8> place, a, b;
+  if (beyond_ == Beyond::kRepeat) {
+    for (std::size_t i = 0; i < 8; ++i) {
+      const float px = repeated(x[i] * level.scale_x - 0.5F, w, 1.0F / w);
+      const float py = repeated(y[i] * level.scale_y - 0.5F, h, 1.0F / h);
+      const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
+      a[i] = static_cast<int>((px - static_cast<float>(x0)) * kOne + 0.5F);
+      b[i] = static_cast<int>((py - static_cast<float>(y0)) * kOne + 0.5F);
+      place[i] = y0 * stride + x0;
+    }
+  } else {
+    for (std::size_t i = 0; i < 8; ++i) {
+      const float px = std::min(std::max(x[i] * level.scale_x - 0.5F, 0.0F), w - 1.0F);
+      const float py = std::min(std::max(y[i] * level.scale_y - 0.5F, 0.0F), h - 1.0F);
+      const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
+      a[i] = static_cast<int>((px - static_cast<float>(x0)) * kOne + 0.5F);
+      b[i] = static_cast<int>((py - static_cast<float>(y0)) * kOne + 0.5F);
+      place[i] = y0 * stride + x0;
+    }
+  }
+  // All texels are asked for before the first is used: they come from far memory.
+  const Texel* first = texels_.data() + level.begin;
+  for (std::size_t i = 0; i < 8; ++i)
+    (*out)[i] = blend(first + place[i], first + place[i] + stride, a[i], b[i]);
+}
+
+float MipMap::choose(float footprint, std::size_t* fine) const {
   // log2 that is linear between powers of two: its error hides in the blending.
   const float covered = std::max(footprint, 1.0F);
   std::uint32_t bits = 0;
   std::memcpy(&bits, &covered, sizeof bits);
   const float log2 = static_cast<float>(bits - 0x3F800000U) * (1.0F / (1U << 23));
   const float level = std::min(log2, static_cast<float>(levels_.size() - 1));
-  const auto lower = static_cast<std::size_t>(level);
-  const float between = level - static_cast<float>(lower);
-  const std::array<float, 4> fine = bilinear(levels_[lower], x, y);
-  if (between < 1.0F / kOne) return {fine[0], fine[1], fine[2]};
-  const std::array<float, 4> coarse = bilinear(levels_[lower + 1], x, y);
+  *fine = static_cast<std::size_t>(level);
+  const float between = level - static_cast<float>(*fine);
+  return between < 1.0F / kOne ? 0.0F : between;
+}
+
+std::array<float, 3> MipMap::at(float x, float y, float footprint) const {
+  std::size_t level = 0;
+  const float between = choose(footprint, &level);
+  const std::array<float, 4> fine = bilinear(levels_[level], x, y);
+  if (between == 0.0F) return {fine[0], fine[1], fine[2]};
+  const std::array<float, 4> coarse = bilinear(levels_[level + 1], x, y);
   return {fine[0] + between * (coarse[0] - fine[0]), fine[1] + between * (coarse[1] - fine[1]),
           fine[2] + between * (coarse[2] - fine[2])};
+}
+
+void MipMap::at(const std::array<float, 8>& x, const std::array<float, 8>& y, float footprint,
+                std::array<std::array<float, 4>, 8>* bgr) const {
+  std::size_t level = 0;
+  const float between = choose(footprint, &level);
+  bilinear(levels_[level], x, y, bgr);
+  if (between == 0.0F) return;
+  std::array<std::array<float, 4>, 8> coarse;
+  bilinear(levels_[level + 1], x, y, &coarse);
+  for (std::size_t i = 0; i < 8; ++i)
+    for (std::size_t k = 0; k < 4; ++k) (*bgr)[i][k] += between * (coarse[i][k] - (*bgr)[i][k]);
 }
 
 }  // namespace fusion_slam

@@ -27,6 +27,9 @@ class MipMap {
   // seen by a pixel that covers `footprint` texels: bilinear in two levels and linear between them.
   // Weights are multiples of 1/128 within a level: integers, the same on every machine.
   std::array<float, 3> at(float x, float y, float footprint) const;
+  // The same for eight pixels next to each other, which have one footprint.
+  void at(const std::array<float, 8>& x, const std::array<float, 8>& y, float footprint,
+          std::array<std::array<float, 4>, 8>* bgr) const;
 
  private:
   struct Level {
@@ -38,7 +41,11 @@ class MipMap {
                             // right and lower neighbours can be read without asking
   };
   void append(int width, int height, const std::vector<Texel>& texels);
+  // Which two levels, and how much of the coarser one.
+  float choose(float footprint, std::size_t* fine) const;
   std::array<float, 4> bilinear(const Level& level, float x, float y) const;
+  void bilinear(const Level& level, const std::array<float, 8>& x, const std::array<float, 8>& y,
+                std::array<std::array<float, 4>, 8>* out) const;
 
   Beyond beyond_;
   std::vector<Level> levels_;
