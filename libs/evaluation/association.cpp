@@ -50,17 +50,17 @@ std::size_t nearest_in_time(const Trajectory& trajectory, double time_s) {
   return static_cast<std::size_t>(after - trajectory.begin());
 }
 
-std::vector<Match> associate(const Trajectory& reference, const Trajectory& estimate,
-                             double max_diff_s) {
+std::vector<TimeMatch> associate(const Trajectory& reference, const Trajectory& estimate,
+                                 double max_diff_s) {
   const bool reference_drives = estimate.size() > reference.size();
   const Trajectory& driving = reference_drives ? reference : estimate;
   const Trajectory& searched = reference_drives ? estimate : reference;
-  std::vector<Match> matches;
+  std::vector<TimeMatch> matches;
   if (searched.empty()) return matches;
   for (std::size_t i = 0; i < driving.size(); ++i) {
     const std::size_t j = nearest_in_time(searched, driving[i].time_s);
     if (!(std::abs(searched[j].time_s - driving[i].time_s) <= max_diff_s)) continue;  // NaN: none
-    matches.push_back(reference_drives ? Match{i, j} : Match{j, i});
+    matches.push_back(reference_drives ? TimeMatch{i, j} : TimeMatch{j, i});
   }
   return matches;
 }
@@ -68,7 +68,7 @@ std::vector<Match> associate(const Trajectory& reference, const Trajectory& esti
 Outcome<MatchedPoses> match_poses(const Trajectory& reference, const Trajectory& estimate,
                                   double max_diff_s) {
   MatchedPoses matched;
-  for (const Match& match : associate(reference, estimate, max_diff_s)) {
+  for (const TimeMatch& match : associate(reference, estimate, max_diff_s)) {
     matched.reference.push_back(reference[match.reference]);
     matched.estimate.push_back(estimate[match.estimate]);
   }

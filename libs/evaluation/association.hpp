@@ -13,7 +13,7 @@ namespace fusion_slam {
 // is not empty.
 std::size_t nearest_in_time(const Trajectory& trajectory, double time_s);
 
-struct Match {
+struct TimeMatch {
   std::size_t reference = 0;
   std::size_t estimate = 0;
 };
@@ -21,8 +21,8 @@ struct Match {
 // As evo 1.36.5 does it: each pose of the shorter trajectory (the estimate, when both are equally
 // long) takes the nearest pose of the longer one, if that is no further than max_diff_s
 // (inclusive). A pose of the longer one may be taken twice. Ordered by time.
-std::vector<Match> associate(const Trajectory& reference, const Trajectory& estimate,
-                             double max_diff_s);
+std::vector<TimeMatch> associate(const Trajectory& reference, const Trajectory& estimate,
+                                 double max_diff_s);
 
 // Poses that belong together, index by index.
 struct MatchedPoses {

@@ -75,7 +75,7 @@ SE3 minimise(const CameraModel& camera, const std::vector<Correspondence>& match
 
 bool pose_residual(const CameraModel& camera, const Correspondence& match,
                    const SE3& T_reference_camera, Eigen::Vector3d* residual,
-                   ResidualJacobian* jacobian) {
+                   ResidualJacobian* jacobian, Eigen::Matrix3d* by_point) {
   const Eigen::Vector3d p = T_reference_camera.linear().transpose() *
                             (match.p_reference - T_reference_camera.translation());
   if (p.z() < kNearest_m) return false;
@@ -83,16 +83,18 @@ bool pose_residual(const CameraModel& camera, const Correspondence& match,
   const bool has_depth = match.depth_m > 0.0;
   *residual << (camera.project(p) - match.pixel) / match.pixel_sigma,
       has_depth ? (p.z() - match.depth_m) / match.depth_sigma_m : 0.0;
-  if (jacobian == nullptr) return true;
-  Eigen::Matrix3d by_point;  // of the residual by the point in the camera
-  by_point << camera.fx_px * inv_z, 0.0, -camera.fx_px * p.x() * inv_z * inv_z,  //
-      0.0, camera.fy_px * inv_z, -camera.fy_px * p.y() * inv_z * inv_z,          //
+  if (jacobian == nullptr && by_point == nullptr) return true;
+  Eigen::Matrix3d by_p;  // of the residual by the point in the camera
+  by_p << camera.fx_px * inv_z, 0.0, -camera.fx_px * p.x() * inv_z * inv_z,  //
+      0.0, camera.fy_px * inv_z, -camera.fy_px * p.y() * inv_z * inv_z,      //
       0.0, 0.0, 1.0;
-  by_point.topRows<2>() /= match.pixel_sigma;
-  by_point.row(2) *= has_depth ? 1.0 / match.depth_sigma_m : 0.0;
+  by_p.topRows<2>() /= match.pixel_sigma;
+  by_p.row(2) *= has_depth ? 1.0 / match.depth_sigma_m : 0.0;
+  if (by_point != nullptr) *by_point = by_p * T_reference_camera.linear().transpose();
+  if (jacobian == nullptr) return true;
   // The camera moves by (t, w) in its own axes: p becomes Exp(-w) (p - t).
-  jacobian->leftCols<3>() = -by_point;
-  jacobian->rightCols<3>() = by_point * skew(p);
+  jacobian->leftCols<3>() = -by_p;
+  jacobian->rightCols<3>() = by_p * skew(p);
   return true;
 }
 

@@ -33,11 +33,11 @@ struct RefinedPose {
 using ResidualJacobian = Eigen::Matrix<double, 3, 6>;
 
 // Whitened residual (u, v, depth; depth is 0 when there is none) of one match, and its derivative
-// by xi in retract(T_reference_camera, xi) when `jacobian` is given. False when the point is behind
-// the camera.
+// by xi in retract(T_reference_camera, xi) when `jacobian` is given and by p_reference when
+// `by_point` is. False when the point is behind the camera.
 bool pose_residual(const CameraModel& camera, const Correspondence& match,
                    const SE3& T_reference_camera, Eigen::Vector3d* residual,
-                   ResidualJacobian* jacobian);
+                   ResidualJacobian* jacobian, Eigen::Matrix3d* by_point = nullptr);
 
 // With fewer than 4 inliers the covariance is very wide (identity). Never fails: look at n_inliers.
 RefinedPose refine_pose(const CameraModel& camera, const std::vector<Correspondence>& matches,

@@ -40,9 +40,50 @@ struct VisualOdometryConfig {
   double keyframe_parallax = 0.08;      // translation / median depth
   double keyframe_inlier_ratio = 0.60;  // of those right after the last keyframe
 
-  // Local map: keyframes whose points are tracked. More of them: less drift when the camera looks
-  // at a place again.
-  int local_map_keyframes = 15;
+  // Local map: keyframes whose landmarks are tracked. More of them: less drift when the camera
+  // looks at a place again.
+  int local_recent_keyframes = 10;
+  int local_covisible_keyframes = 10;
+  int local_near_keyframes = 10;
+  double local_near_m = 2.0;
+  double local_near_cosine = 0.5;  // 60 degrees between the views
+  int covisible_landmarks = 15;    // shared, to be neighbours at all
+
+  // Local mapping. The adjustment takes about 100 ms; 6 frames are 200 ms.
+  int mapping_frames = 6;           // after these its result is taken up
+  int bundle_keyframes = 8;         // that move
+  int bundle_fixed_keyframes = 12;  // that hold them
+  int bundle_iterations = 6;
+  double bundle_outlier_2d = 13.8;  // chi square, 99.9 %
+  double bundle_outlier_3d = 16.3;
+  double fuse_radius_px = 3.0;
+  int fuse_distance = 50;          // bits
+  double min_parallax_rad = 0.02;  // of bearing-only features, to give them a place
+  int trial_frames = 15;           // a landmark is judged after it should have been seen so often
+  double min_found_ratio = 0.25;
+  int trial_keyframes = 3;       // and after so many keyframes must have been seen by a second one
+  int trial_found = 4;           // or in so many frames
+  int redundant_views = 3;       // of a landmark, by other keyframes
+  double redundant_share = 0.9;  // of a keyframe's landmarks
+  // The LiDAR's part. Each switch off: an ablation.
+  bool use_lidar_depth = true;
+  bool use_lidar_motion = true;
+  std::int64_t scan_age_us = 150'000;  // older scans say nothing about this frame
+  double lidar_min_incidence = 0.26;   // sine: surfaces seen at less than 15 degrees are left out
+  double lidar_reach_m = 0.03;         // from the LiDAR's plane: features without depth
+  double lidar_reach_agreed_m = 0.30;  // features whose own depth agrees
+
+  // What the pose graph must move a keyframe by, against the newest one, to be followed: less is
+  // its own noise, local mapping knows better.
+  double revision_m = 0.03;
+  double revision_rad = 0.01;
+  int reloc_inliers = 25;            // to be found again
+  int join_inliers = 30;             // to join two segments
+  std::size_t reloc_candidates = 3;  // places tried in one frame
+  // Vision that is WEAK and moves this much otherwise than the LiDAR says is LOST.
+  double disagree_m = 0.15;
+  double disagree_rad = 0.15;
+  int settle_keyframes = 10;  // after so many newer ones a keyframe's edge no longer changes
 };
 
 }  // namespace fusion_slam

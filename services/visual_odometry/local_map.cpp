@@ -1,71 +1,78 @@
 #include "services/visual_odometry/local_map.hpp"
 
 #include <algorithm>
-
-#include <Eigen/LU>
+#include <set>
 
 namespace fusion_slam {
-namespace {
 
-constexpr int kTrialFrames = 15;  // a point is judged after it should have been seen this often
-constexpr double kMinFoundRatio = 0.25;  // Mur-Artal et al. 2015, section VI-B
-
-}  // namespace
-
-Eigen::Matrix3d observation_information(const CameraModel& camera, const SE3& T_odom_camera,
-                                        const Eigen::Vector3d& p_camera, double pixel_sigma_px) {
-  // Along the ray the depth's noise, across it the pixel's.
-  const Eigen::Vector3d ray = p_camera / p_camera.z();
-  const double across = pixel_sigma_px / camera.fx_px * p_camera.z();
-  const double along = camera.depth_sigma(p_camera.z());
-  Eigen::Matrix3d covariance = along * along * ray * ray.transpose();
-  covariance(0, 0) += across * across;
-  covariance(1, 1) += across * across;
-  const Eigen::Matrix3d R = T_odom_camera.linear();
-  return R * covariance.inverse() * R.transpose();
+std::vector<std::pair<std::int64_t, int>> covisible_keyframes(const VisualMap& map,
+                                                              std::int64_t keyframe) {
+  std::vector<std::pair<std::int64_t, int>> result;
+  const MapKeyframe* centre = map.keyframe(keyframe);
+  if (centre == nullptr) return result;
+  std::map<std::int64_t, int> shared;
+  for (const std::int64_t id : centre->landmark_of_feature) {
+    const Landmark* landmark = id == 0 ? nullptr : map.landmark(id);
+    if (landmark == nullptr) continue;
+    for (const Observation& o : landmark->observations)
+      if (o.keyframe != keyframe) ++shared[o.keyframe];
+  }
+  result.assign(shared.begin(), shared.end());
+  std::sort(result.begin(), result.end(), [](const auto& a, const auto& b) {
+    return a.second != b.second ? a.second > b.second : a.first > b.first;
+  });
+  return result;
 }
 
-void LocalMap::clear() {
-  points_.clear();
-  keyframes_.clear();
-}
-
-void LocalMap::add_keyframe(std::int64_t id, const CameraModel& camera, const SE3& T_odom_camera,
-                            const FeatureSet& set, const std::vector<double>& scale_of_octave,
-                            double pixel_sigma, int keep,
-                            std::vector<std::int64_t>* point_of_feature) {
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    const Feature& f = set.features[i];
-    auto known = points_.find((*point_of_feature)[i]);
-    if (known == points_.end() && f.depth_m <= 0.0F) continue;
-    if (known == points_.end()) known = points_.emplace(next_point_++, MapPoint{}).first;
-    (*point_of_feature)[i] = known->first;
-    MapPoint& point = known->second;
-    const double scale = scale_of_octave[f.octave];
-    if (f.depth_m > 0.0F) {
-      const Eigen::Vector3d p_camera = camera.unproject(f.u_px, f.v_px, f.depth_m);
-      const Eigen::Matrix3d gained =
-          observation_information(camera, T_odom_camera, p_camera, pixel_sigma * scale);
-      const Eigen::Matrix3d total = point.information + gained;
-      point.p_odom = total.ldlt().solve(point.information * point.p_odom +
-                                        gained * (T_odom_camera * p_camera));
-      point.information = total;
+std::vector<std::int64_t> local_keyframes(const VisualMap& map, int segment,
+                                          const SE3& T_odom_camera,
+                                          const VisualOdometryConfig& config) {
+  std::set<std::int64_t> chosen;
+  std::vector<std::pair<double, std::int64_t>> near;
+  std::int64_t newest = 0;
+  for (auto it = map.keyframes().rbegin(); it != map.keyframes().rend(); ++it) {
+    const MapKeyframe& keyframe = it->second;
+    if (keyframe.segment != segment) continue;
+    if (newest == 0) newest = keyframe.id;
+    if (static_cast<int>(chosen.size()) < config.local_recent_keyframes) {
+      chosen.insert(keyframe.id);
+      continue;
     }
-    const Eigen::Vector3d to_camera = T_odom_camera.translation() - point.p_odom;
-    point.viewed_from = to_camera.normalized();
-    point.reach_m = to_camera.norm() * scale;
-    point.descriptor = set.descriptors[i];
-    point.angle_rad = f.angle_rad;
-    point.last_keyframe = id;
+    const SE3 between = T_odom_camera.inverse() * keyframe.T_odom_camera;
+    const double apart_m = between.translation().norm();
+    const double cosine = between.linear()(2, 2);  // of the angle between the optical axes
+    if (apart_m > config.local_near_m || cosine < config.local_near_cosine) continue;
+    near.emplace_back(apart_m + 2.0 * (1.0 - cosine), keyframe.id);
   }
-  keyframes_.push_back(id);
-  while (keyframes_.size() > static_cast<std::size_t>(keep)) keyframes_.pop_front();
-  for (auto it = points_.begin(); it != points_.end();) {
-    const MapPoint& point = it->second;
-    const bool old = point.last_keyframe < keyframes_.front();
-    const bool poor = point.visible >= kTrialFrames && point.found < kMinFoundRatio * point.visible;
-    it = old || poor ? points_.erase(it) : std::next(it);
+  int taken = 0;
+  for (const auto& [id, shared] : covisible_keyframes(map, newest)) {
+    if (shared < config.covisible_landmarks || taken >= config.local_covisible_keyframes) break;
+    const MapKeyframe* keyframe = map.keyframe(id);
+    if (keyframe != nullptr && keyframe->segment == segment && chosen.insert(id).second) ++taken;
   }
+  std::sort(near.begin(), near.end());
+  taken = 0;
+  for (const auto& [distance, id] : near) {
+    if (taken >= config.local_near_keyframes) break;
+    if (chosen.insert(id).second) ++taken;
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+LocalMap make_local_map(const VisualMap& map, const std::vector<std::int64_t>& keyframes) {
+  std::vector<std::int64_t> ids;
+  for (const std::int64_t keyframe : keyframes)
+    if (const MapKeyframe* known = map.keyframe(keyframe))
+      for (const std::int64_t id : known->landmark_of_feature)
+        if (id != 0) ids.push_back(id);
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  LocalMap local;
+  local.reserve(ids.size());
+  for (const std::int64_t id : ids)
+    if (const Landmark* l = map.landmark(id))
+      local.push_back({id, l->p_odom, l->viewed_from, l->reach_m, l->descriptor, l->angle_rad});
+  return local;
 }
 
 }  // namespace fusion_slam

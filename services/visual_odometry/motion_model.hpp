@@ -16,6 +16,10 @@ class MotionModel {
   // After a loss: the velocity is unknown until two more poses are, and the prediction is this
   // pose.
   void restart(const SE3& T_odom_camera);
+  // The map under the camera was moved.
+  void move(const SE3& T_new_old) { T_odom_camera_ = T_new_old * T_odom_camera_; }
+  // Per second, translation (m) then rotation (rad), camera axes; zero when unknown.
+  Vector6d velocity() const { return moving_ ? velocity_ : Vector6d::Zero(); }
 
  private:
   SE3 T_odom_camera_ = SE3::Identity();

@@ -14,12 +14,12 @@ struct Best {
   int second = 257;
 };
 
-// A feature's depth that can't be this point's, whatever the guess.
-bool other_depth(const CameraModel& camera, const Feature& f, double z_m) {
-  return f.depth_m > 0.0F && std::abs(f.depth_m - z_m) > 0.08 * z_m + 4.0 * camera.depth_sigma(z_m);
-}
-
 }  // namespace
+
+bool other_depth(const Feature& feature, const CameraModel& camera, double z_m) {
+  return feature.depth_m > 0.0F &&
+         std::abs(feature.depth_m - z_m) > 0.08 * z_m + 4.0 * camera.depth_sigma(z_m);
+}
 
 ProjectionMatches match_by_projection(const LocalMap& map, const CameraModel& camera,
                                       const SE3& guess_T_odom_camera, const FeatureSet& set,
@@ -32,7 +32,9 @@ ProjectionMatches match_by_projection(const LocalMap& map, const CameraModel& ca
   ProjectionMatches result;
   std::vector<MapMatch> of_feature(set.size(), MapMatch{0, -1, 257});
   std::vector<int> nearby;
-  for (const auto& [id, point] : map.points()) {
+  for (std::size_t k = 0; k < map.size(); ++k) {
+    const TrackPoint& point = map[k];
+    const int id = static_cast<int>(k);
     const Eigen::Vector3d p_camera = T_camera_odom * point.p_odom;
     if (p_camera.z() < 0.5 * camera.depth_min_m) continue;
     const Eigen::Vector2d pixel = camera.project(p_camera);
@@ -51,7 +53,7 @@ ProjectionMatches match_by_projection(const LocalMap& map, const CameraModel& ca
               octave_max, &nearby);
     Best best;
     for (const int i : nearby) {
-      if (other_depth(camera, set.features[i], p_camera.z())) continue;
+      if (other_depth(set.features[i], camera, p_camera.z())) continue;
       const int distance = hamming(point.descriptor, set.descriptors[i]);
       if (distance < best.distance) {
         best.second = best.distance;

@@ -1,7 +1,6 @@
-// Guided matching: each map point is looked for where the predicted pose says it is.
+// Guided matching: each point of the local map is looked for where the predicted pose says it is.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "libs/camera/camera_model.hpp"
@@ -12,14 +11,14 @@
 namespace fusion_slam {
 
 struct MapMatch {
-  std::int64_t point = 0;
+  int point = 0;  // index into the local map
   int feature = 0;
   int distance = 0;
 };
 
 struct ProjectionMatches {
   std::vector<MapMatch> matches;  // each point and each feature at most once; ascending in feature
-  std::vector<std::int64_t> in_view;  // points that should be seen from the guessed pose
+  std::vector<int> in_view;       // points that should be seen from the guessed pose
 };
 
 // Points in front of the camera, inside the image, seen from within 60 degrees of where they were
@@ -30,5 +29,8 @@ ProjectionMatches match_by_projection(const LocalMap& map, const CameraModel& ca
                                       const FeatureGrid& grid,
                                       const std::vector<double>& scale_of_octave, double radius_px,
                                       const VisualOdometryConfig& config);
+
+// Whether a feature's depth can't be that of a point at z_m, however good the guess.
+bool other_depth(const Feature& feature, const CameraModel& camera, double z_m);
 
 }  // namespace fusion_slam

@@ -1,18 +1,28 @@
-// Finds the pose in the local map without a guess: descriptors, then RANSAC, then refinement.
+// Finds the pose in the map without a guess: places that look alike, then RANSAC on the landmarks
+// of each, then tracking around what it gives.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "libs/camera/camera_model.hpp"
 #include "services/visual_odometry/config.hpp"
-#include "services/visual_odometry/local_map.hpp"
+#include "services/visual_odometry/pose_tracking.hpp"
 
 namespace fusion_slam {
 
-// T_odom_camera of the frame whose features these are; nothing when no pose explains enough
-// matches. Deterministic.
-std::optional<SE3> relocalise(const LocalMap& map, const CameraModel& camera, const FeatureSet& set,
-                              const std::vector<double>& scale_of_octave,
-                              const VisualOdometryConfig& config);
+struct Relocalised {
+  std::int64_t keyframe = 0;  // whose place it is
+  LocalMap local;             // that the estimate was made against
+  PoseEstimate estimate;
+};
+
+// Tries the candidate keyframes in order; the first whose place explains at least min_inliers
+// features. Deterministic.
+std::optional<Relocalised> relocalise(const VisualMap& map,
+                                      const std::vector<std::int64_t>& candidates,
+                                      const CameraModel& camera, const FeatureSet& set,
+                                      const std::vector<double>& scale_of_octave, int min_inliers,
+                                      const VisualOdometryConfig& config);
 
 }  // namespace fusion_slam

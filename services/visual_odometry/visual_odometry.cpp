@@ -5,39 +5,42 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libs/features/feature_depth.hpp"
-#include "services/visual_odometry/correspondences.hpp"
+#include "libs/features/pose_refiner.hpp"
+#include "services/visual_odometry/lidar_depth.hpp"
 #include "services/visual_odometry/relocaliser.hpp"
 
 namespace fusion_slam {
 namespace {
-
-double median_depth(const FeatureSet& set) {
-  std::vector<float> depths;
-  for (const Feature& f : set.features)
-    if (f.depth_m > 0.0F) depths.push_back(f.depth_m);
-  if (depths.empty()) return 0.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
-}
 
 int with_depth(const FeatureSet& set) {
   return static_cast<int>(std::count_if(set.features.begin(), set.features.end(),
                                         [](const Feature& f) { return f.depth_m > 0.0F; }));
 }
 
+// Products of rotations leave SO(3) little by little, and inverse() takes them at their word: fed
+// back keyframe after keyframe, rounding would double each time.
+SE3 normalised(const SE3& T) {
+  const Eigen::Quaterniond q(T.linear());
+  return make_pose(T.translation(), q.w(), q.x(), q.y(), q.z());
+}
+
+std::vector<double> scales_of(const OrbExtractor& extractor, int n_levels) {
+  std::vector<double> scales;
+  for (int i = 0; i < n_levels; ++i) scales.push_back(extractor.scale(i));
+  return scales;
+}
+
 }  // namespace
 
-VisualOdometry::VisualOdometry(const CameraModel& camera, const SE3& T_base_camera,
+VisualOdometry::VisualOdometry(const CameraModel& camera, const RobotModel& robot,
                                const VisualOdometryConfig& config)
     : config_(config),
       camera_(camera),
-      T_base_camera_(T_base_camera),
+      robot_(robot),
       extractor_(config.orb),
-      T_odom_camera_(T_base_camera),
-      T_odom_keyframe_(T_base_camera) {
-  for (int i = 0; i < config.orb.n_levels; ++i) scales_.push_back(extractor_.scale(i));
-}
+      scales_(scales_of(extractor_, config.orb.n_levels)),
+      mapping_(camera, scales_, config),
+      T_odom_camera_(robot.T_base_camera) {}
 
 TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
   TrackingResult refused;
@@ -48,22 +51,40 @@ TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
     return refused;
   }
   last_utime_us_ = frame.utime_us;
+  take_up_news();
   FeatureSet set = see(frame);
-  if (!segment_started_) return lost(frame.utime_us, std::move(set));
+  if (!segment_started_) return lost(frame.utime_us, "", std::move(set));
 
-  std::optional<Estimate> estimate =
-      track_map(motion_.predict(frame.utime_us), set, config_.wide_radius_px);
-  if (!estimate) estimate = track_map(T_odom_camera_, set, 2.0 * config_.wide_radius_px);
-  if (!estimate)
-    if (const auto pose = relocalise(map_, camera_, set, scales_, config_))
-      estimate = track_map(*pose, set, config_.narrow_radius_px);
-  if (!estimate) return lost(frame.utime_us, std::move(set));
+  std::string why = "no pose explains the features";
+  std::optional<PoseEstimate> estimate = track_from(guesses(frame.utime_us), set);
+  if (estimate && contradicts_lidar(frame.utime_us, *estimate)) {
+    why = "few features agree, and not with the LiDAR's motion";
+    estimate.reset();
+  }
+  if (!estimate) estimate = find_again(set);
+  if (!estimate) return lost(frame.utime_us, why, std::move(set));
   return tracked(frame.utime_us, *estimate, std::move(set));
 }
 
 void VisualOdometry::reset() {
-  map_.clear();
+  if (mapping_.busy()) finish_mapping();
+  map_ = {};
+  local_.clear();
+  places_ = {};
+  revision_ = {};
+  open_.clear();
+  n_segments_ = 0;
   segment_started_ = false;
+}
+
+void VisualOdometry::add_scan(LaserScan scan) { scan_ = std::move(scan); }
+
+void VisualOdometry::add_lidar_pose(std::int64_t utime_us, const SE3& T_odom_base) {
+  lidar_motion_.add(utime_us, T_odom_base);
+}
+
+void VisualOdometry::add_graph_node(std::int64_t keyframe_id, const SE3& T_map_base) {
+  if (map_.keyframe(keyframe_id) != nullptr) revision_.update(keyframe_id, T_map_base);
 }
 
 std::string VisualOdometry::refuse(const RgbdFrame& frame) const {
@@ -77,142 +98,199 @@ std::string VisualOdometry::refuse(const RgbdFrame& frame) const {
   return "";
 }
 
-FeatureSet VisualOdometry::see(const RgbdFrame& frame) const {
+FeatureSet VisualOdometry::see(const RgbdFrame& frame) {
   cv::Mat grey;
   cv::cvtColor(frame.colour_bgr, grey, cv::COLOR_BGR2GRAY);
   FeatureSet set = extractor_.extract(grey);
   attach_depth(frame.depth_mm, camera_, &set);
   undistort(camera_, &set);
+  const bool fresh = scan_ && std::abs(frame.utime_us - scan_->utime_us) <= config_.scan_age_us;
+  if (config_.use_lidar_depth && fresh) {
+    constexpr double kStep_s = 0.05;
+    const SE3 moved = robot_.T_base_camera *
+                      retract(SE3::Identity(), motion_.velocity() * kStep_s) *
+                      robot_.T_base_camera.inverse();
+    const Vector6d twist = local(SE3::Identity(), moved) / kStep_s;
+    const ScanInBase scan = scan_at(*scan_, robot_, twist, frame.utime_us);
+    counts_.lidar_depths += attach_lidar_depth(scan, robot_, camera_, config_, &set);
+  }
   return set;
 }
 
-// A wide search around the guess, then a narrow one around what it gave; nothing when too little
-// agrees.
-std::optional<VisualOdometry::Estimate> VisualOdometry::track_map(const SE3& guess,
-                                                                  const FeatureSet& set,
-                                                                  double radius_px) const {
-  const FeatureGrid grid(set.features, camera_.width_px, camera_.height_px);
-  const Estimate rough = estimate_pose(guess, set, grid, radius_px);
-  if (static_cast<int>(rough.matched.matches.size()) < config_.min_inliers) return std::nullopt;
-  Estimate fine = estimate_pose(rough.T_odom_camera, set, grid, config_.narrow_radius_px);
-  if (static_cast<int>(fine.matched.matches.size()) < config_.min_inliers) return std::nullopt;
-  return fine;
+// The points where other threads and processes meet tracking: between two frames only.
+void VisualOdometry::take_up_news() {
+  ++frames_since_keyframe_;
+  if (mapping_.busy() && frames_since_keyframe_ >= config_.mapping_frames) finish_mapping();
+  if (mapping_.busy()) return;
+  const int moved = revision_.take_up(newest_, robot_.T_base_camera, config_, &map_);
+  if (moved == 0) return;
+  counts_.revised_keyframes += moved;
+  renew_local_map();
 }
 
-VisualOdometry::Estimate VisualOdometry::estimate_pose(const SE3& guess, const FeatureSet& set,
-                                                       const FeatureGrid& grid,
-                                                       double radius_px) const {
-  Estimate estimate;
-  estimate.matched =
-      match_by_projection(map_, camera_, guess, set, grid, scales_, radius_px, config_);
-  std::vector<Correspondence> correspondences;
-  for (const MapMatch& m : estimate.matched.matches) {
-    const Feature& f = set.features[m.feature];
-    correspondences.push_back(
-        make_correspondence(map_.points().at(m.point), f, camera_, scales_[f.octave], config_));
-  }
-  const RefinedPose refined = refine_pose(camera_, correspondences, guess, config_.refine);
-  estimate.T_odom_camera = refined.T_reference_camera;
-  estimate.covariance = refined.covariance;
-  std::vector<MapMatch> inliers;
-  for (std::size_t i = 0; i < correspondences.size(); ++i)
-    if (refined.inlier[i]) inliers.push_back(estimate.matched.matches[i]);
-  estimate.matched.matches = std::move(inliers);
-  return estimate;
+std::map<std::int64_t, std::int64_t> VisualOdometry::finish_mapping() {
+  const SE3 T_before = T_odom_reference();
+  const MappingResult result = mapping_.finish(&map_);
+  // The camera goes where its reference goes.
+  const SE3 T_new_old = normalised(T_odom_reference() * T_before.inverse());
+  T_odom_camera_ = normalised(T_new_old * T_odom_camera_);
+  motion_.move(T_new_old);
+  renew_local_map();
+  ++counts_.mappings;
+  counts_.triangulated += result.n_triangulated;
+  counts_.fused += result.n_fused;
+  counts_.observations_refused += result.bundle.n_outliers;
+  counts_.landmarks_culled += result.n_landmarks_culled;
+  counts_.keyframes_culled += result.n_keyframes_culled;
+  return {result.part.merged().begin(), result.part.merged().end()};
 }
 
-TrackingResult VisualOdometry::tracked(std::int64_t utime_us, const Estimate& estimate,
+void VisualOdometry::renew_local_map() {
+  local_ = make_local_map(map_, local_keyframes(map_, segment_, T_odom_camera_, config_));
+}
+
+SE3 VisualOdometry::T_odom_reference() const {
+  const MapKeyframe* keyframe = map_.keyframe(reference_);
+  return keyframe == nullptr ? robot_.T_base_camera : keyframe->T_odom_camera;
+}
+
+std::optional<SE3> VisualOdometry::lidar_prediction(std::int64_t utime_us) const {
+  if (!config_.use_lidar_motion) return std::nullopt;
+  const std::optional<SE3> moved = lidar_motion_.between(pose_utime_us_, utime_us);
+  if (!moved) return std::nullopt;
+  return T_odom_camera_ * robot_.T_base_camera.inverse() * *moved * robot_.T_base_camera;
+}
+
+// Where the camera may be, likeliest first: as it moved before; as the LiDAR says, which goes first
+// when vision was weak.
+std::vector<SE3> VisualOdometry::guesses(std::int64_t utime_us) const {
+  std::vector<SE3> result{motion_.predict(utime_us)};
+  if (const std::optional<SE3> predicted = lidar_prediction(utime_us))
+    result.insert(weak_ ? result.begin() : result.end(), *predicted);
+  return result;
+}
+
+std::optional<PoseEstimate> VisualOdometry::track_from(const std::vector<SE3>& guesses,
+                                                       const FeatureSet& set) {
+  for (const SE3& guess : guesses)
+    if (auto estimate =
+            track_local_map(local_, camera_, guess, set, scales_, config_.wide_radius_px, config_))
+      return estimate;
+  return track_local_map(local_, camera_, T_odom_camera_, set, scales_,
+                         2.0 * config_.wide_radius_px, config_);
+}
+
+// Without any guess: the last places, and those of the whole map that look alike.
+std::optional<PoseEstimate> VisualOdometry::find_again(const FeatureSet& set) {
+  if (mapping_.busy()) finish_mapping();
+  std::vector<std::int64_t> candidates{newest_};
+  for (const std::int64_t id : places_.similar(map_, set, kNoSegment, config_.reloc_candidates))
+    if (id != newest_) candidates.push_back(id);
+  auto found = relocalise(map_, candidates, camera_, set, scales_, config_.reloc_inliers, config_);
+  if (!found) return std::nullopt;
+  reference_ = found->keyframe;
+  segment_ = map_.keyframe(reference_)->segment;
+  local_ = std::move(found->local);
+  motion_.restart(found->estimate.T_odom_camera);
+  found_again_ = true;
+  ++counts_.relocalisations;
+  return found->estimate;
+}
+
+// Few features agree by chance with a pose that isn't so; two sensors rarely with the same one.
+bool VisualOdometry::contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate) const {
+  if (static_cast<int>(estimate.matched.matches.size()) >= config_.min_inliers_ok) return false;
+  const std::optional<SE3> predicted = lidar_prediction(utime_us);
+  if (!predicted) return false;
+  const Vector6d apart = local(*predicted, estimate.T_odom_camera);
+  return apart.head<3>().norm() > config_.disagree_m ||
+         apart.tail<3>().norm() > config_.disagree_rad;
+}
+
+TrackingResult VisualOdometry::tracked(std::int64_t utime_us, const PoseEstimate& estimate,
                                        FeatureSet set) {
-  for (const std::int64_t point : estimate.matched.in_view) map_.count_visible(point);
-  for (const MapMatch& m : estimate.matched.matches) map_.count_found(m.point);
-  motion_.update(utime_us, estimate.T_odom_camera);
-  T_odom_camera_ = estimate.T_odom_camera;
+  count_looks(estimate);
+  T_odom_camera_ = normalised(estimate.T_odom_camera);
+  motion_.update(utime_us, T_odom_camera_);
+  pose_utime_us_ = utime_us;
   fix_utime_us_ = utime_us;
+  searching_since_us_ = 0;
 
   TrackingResult result;
   result.utime_us = utime_us;
   result.n_matched = static_cast<int>(estimate.matched.matches.size());
-  const bool weak = result.n_matched < config_.min_inliers_ok;
-  result.state = weak ? TrackingState::kWeak : TrackingState::kOk;
-  if (weak) result.reason = "only " + std::to_string(result.n_matched) + " features agree";
-  result.covariance = in_base_axes(estimate.covariance, T_base_camera_);
-  if (fresh_keyframe_) inliers_at_keyframe_ = result.n_matched;
-  fresh_keyframe_ = false;
-
-  KeyframeEvidence evidence;
-  evidence.T_keyframe_camera = T_odom_keyframe_.inverse() * T_odom_camera_;
-  evidence.median_depth_m = median_depth(set);
-  evidence.n_inliers = result.n_matched;
-  evidence.n_inliers_at_keyframe = inliers_at_keyframe_;
-  if (decide_keyframe(evidence, config_) != KeyframeReason::kNone)
-    add_keyframe(estimate, true, std::move(set), &result);
+  weak_ = result.n_matched < config_.min_inliers_ok;
+  result.state = weak_ ? TrackingState::kWeak : TrackingState::kOk;
+  if (weak_) result.reason = "only " + std::to_string(result.n_matched) + " features agree";
+  result.covariance = in_base_axes(estimate.covariance, robot_.T_base_camera);
+  if (wants_keyframe(estimate, set))
+    add_keyframe(landmarks_in(estimate), true, std::move(set), &result);
   fill_pose(T_odom_camera_, &result);
   return result;
 }
 
-// Nothing tracked: says so, and after a while (at once when there was no map) starts a new segment
-// at the last pose.
-TrackingResult VisualOdometry::lost(std::int64_t utime_us, FeatureSet set) {
+void VisualOdometry::count_looks(const PoseEstimate& estimate) {
+  for (const int point : estimate.matched.in_view)
+    if (Landmark* landmark = map_.landmark(local_[point].landmark)) ++landmark->visible;
+  for (const MapMatch& m : estimate.matched.matches)
+    if (Landmark* landmark = map_.landmark(local_[m.point].landmark)) ++landmark->found;
+}
+
+// Nothing tracked: says so; where it is, the LiDAR knows or nobody. After a while of seeing
+// something unknown (at once when there was no map) a new segment starts.
+TrackingResult VisualOdometry::lost(std::int64_t utime_us, const std::string& why, FeatureSet set) {
+  const std::optional<SE3> bridged = segment_started_ ? lidar_prediction(utime_us) : std::nullopt;
+  if (bridged) {
+    T_odom_camera_ = normalised(*bridged);
+    pose_utime_us_ = utime_us;
+  }
   motion_.restart(T_odom_camera_);
+  weak_ = true;
+  const int usable = with_depth(set);
+  const bool sees = usable >= config_.min_start_features;
+  if (!sees) searching_since_us_ = 0;
+  if (sees && searching_since_us_ == 0) searching_since_us_ = utime_us;
+  if (sees && (!segment_started_ || utime_us - searching_since_us_ >= config_.lost_patience_us))
+    return start_segment(utime_us, std::move(set));
+
   TrackingResult result;
   result.utime_us = utime_us;
   result.state = TrackingState::kLost;
-  const int usable = with_depth(set);
-  const bool patient = segment_started_ && utime_us - fix_utime_us_ < config_.lost_patience_us;
-  if (patient || usable < config_.min_start_features) {
-    result.reason = usable < config_.min_start_features
-                        ? "only " + std::to_string(usable) + " features with depth"
-                        : "no pose explains the features";
-    fill_pose(T_odom_camera_, &result);
-    return result;
-  }
-  const bool first = keyframe_id_ == 0;
-  result.state = first ? TrackingState::kOk : TrackingState::kWeak;
-  if (!first) result.reason = "new segment: the motion since the loss is unknown";
-  fix_utime_us_ = utime_us;
-  motion_.update(utime_us, T_odom_camera_);
-  map_.clear();
-  segment_started_ = true;
-  Estimate here;
-  here.T_odom_camera = T_odom_camera_;
-  if (first) here.covariance = Matrix6d::Identity() * 1e-12;  // odom begins here
-  result.covariance = in_base_axes(here.covariance, T_base_camera_);
-  result.n_matched = usable;
-  add_keyframe(here, false, std::move(set), &result);
+  result.reason = sees ? why : "only " + std::to_string(usable) + " features with depth";
+  if (bridged) result.reason += "; the LiDAR bridges";
   fill_pose(T_odom_camera_, &result);
   return result;
 }
 
-void VisualOdometry::add_keyframe(const Estimate& estimate, bool connected, FeatureSet set,
-                                  TrackingResult* result) {
-  std::vector<std::int64_t> point_of_feature(set.size(), 0);
-  for (const MapMatch& m : estimate.matched.matches) point_of_feature[m.feature] = m.point;
-  Keyframe keyframe;
-  keyframe.id = keyframe_id_ + 1;
-  keyframe.utime_us = result->utime_us;
-  keyframe.T_odom_base = T_odom_camera_ * T_base_camera_.inverse();
-  keyframe.covariance = result->covariance;
-  if (connected) {
-    keyframe.previous_id = keyframe_id_;
-    keyframe.T_previous_base =
-        T_base_camera_ * T_odom_keyframe_.inverse() * T_odom_camera_ * T_base_camera_.inverse();
-  }
-  keyframe_id_ = keyframe.id;
-  T_odom_keyframe_ = T_odom_camera_;
-  fresh_keyframe_ = true;
-  map_.add_keyframe(keyframe.id, camera_, T_odom_camera_, set, scales_, config_.pixel_sigma,
-                    config_.local_map_keyframes, &point_of_feature);
-  keyframe.landmark_of_feature = std::move(point_of_feature);
-  keyframe.features = std::move(set);
-  result->keyframe = std::move(keyframe);
+TrackingResult VisualOdometry::start_segment(std::int64_t utime_us, FeatureSet set) {
+  if (mapping_.busy()) finish_mapping();
+  const bool first = newest_ == 0;
+  TrackingResult result;
+  result.utime_us = utime_us;
+  result.state = first ? TrackingState::kOk : TrackingState::kWeak;
+  if (!first) result.reason = "new segment: the motion since the loss is unknown";
+  result.n_matched = with_depth(set);
+  const Matrix6d covariance =
+      first ? Matrix6d(Matrix6d::Identity() * 1e-12) : Matrix6d::Identity();  // odom begins here
+  result.covariance = in_base_axes(covariance, robot_.T_base_camera);
+  fix_utime_us_ = utime_us;
+  pose_utime_us_ = utime_us;
+  searching_since_us_ = 0;
+  motion_.update(utime_us, T_odom_camera_);
+  segment_started_ = true;
+  ++segment_;
+  ++n_segments_;
+  add_keyframe({}, false, std::move(set), &result);
+  fill_pose(T_odom_camera_, &result);
+  return result;
 }
 
 void VisualOdometry::fill_pose(const SE3& T_odom_camera, TrackingResult* result) const {
-  const SE3 T_camera_base = T_base_camera_.inverse();
+  const SE3 T_camera_base = robot_.T_base_camera.inverse();
   result->T_odom_base = T_odom_camera * T_camera_base;
-  result->reference_id = keyframe_id_;
+  result->reference_id = reference_;
   result->T_reference_base =
-      T_base_camera_ * T_odom_keyframe_.inverse() * T_odom_camera * T_camera_base;
+      robot_.T_base_camera * T_odom_reference().inverse() * T_odom_camera * T_camera_base;
   result->fix_utime_us = fix_utime_us_;
 }
 

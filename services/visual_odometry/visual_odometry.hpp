@@ -1,93 +1,104 @@
 // Where an RGB-D camera has moved, frame by frame, with keyframes for the pose graph. Knows no bus.
+// Not thread-safe; has one thread of its own (local_mapping.hpp), of which results don't depend.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "libs/camera/camera_model.hpp"
 #include "libs/camera/rgbd_frame.hpp"
 #include "libs/features/orb_extractor.hpp"
+#include "libs/robot/robot_model.hpp"
 #include "services/visual_odometry/config.hpp"
+#include "services/visual_odometry/graph_revision.hpp"
 #include "services/visual_odometry/keyframe_decision.hpp"
-#include "services/visual_odometry/local_map.hpp"
+#include "services/visual_odometry/landmark_creation.hpp"
+#include "services/visual_odometry/lidar_motion.hpp"
+#include "services/visual_odometry/local_mapping.hpp"
 #include "services/visual_odometry/motion_model.hpp"
-#include "services/visual_odometry/projection_matcher.hpp"
+#include "services/visual_odometry/place_index.hpp"
+#include "services/visual_odometry/pose_tracking.hpp"
+#include "services/visual_odometry/tracking_result.hpp"
 
 namespace fusion_slam {
 
-enum class TrackingState { kUnknown, kOk, kWeak, kLost };
-
-struct Keyframe {
-  std::int64_t id = 0;  // 1, 2, 3 ...
-  std::int64_t utime_us = 0;
-  SE3 T_odom_base = SE3::Identity();
-  std::int64_t previous_id = 0;  // 0: none, a new segment
-  SE3 T_previous_base = SE3::Identity();
-  Matrix6d covariance = Matrix6d::Identity();     // of T_previous_base, base axes
-  FeatureSet features;                            // ideal pixels
-  std::vector<std::int64_t> landmark_of_feature;  // one a feature; 0: none
-};
-
-struct TrackingResult {
-  std::int64_t utime_us = 0;
-  TrackingState state = TrackingState::kUnknown;
-  std::string reason;  // why the state is not OK
-  SE3 T_odom_base = SE3::Identity();
-  Matrix6d covariance = Matrix6d::Identity();  // of T_odom_base given the local map, base axes
-  std::int64_t reference_id = 0;               // keyframe; 0: none yet
-  SE3 T_reference_base = SE3::Identity();
-  std::int64_t fix_utime_us = 0;  // when the pose was last measured
-  int n_matched = 0;
-  std::optional<Keyframe> keyframe;  // when this frame became one
-};
-
 class VisualOdometry {
  public:
-  VisualOdometry(const CameraModel& camera, const SE3& T_base_camera,
+  // Takes T_base_camera and, for its LiDAR, the mounting and the noise from `robot`.
+  VisualOdometry(const CameraModel& camera, const RobotModel& robot,
                  const VisualOdometryConfig& config = {});
 
   // Tracks one frame. Frames must come in order of utime; a frame that is older than the last,
   // empty or not of the camera's size gives state kUnknown with the reason and changes nothing.
   TrackingResult track(const RgbdFrame& frame);
 
+  // What the other sensor and the pose graph say; each may be left out altogether.
+  void add_scan(LaserScan scan);
+  void add_lidar_pose(std::int64_t utime_us, const SE3& T_odom_base);  // LIDAR_POSE, OK or WEAK
+  void add_graph_node(std::int64_t keyframe_id, const SE3& T_map_base);
+
   // Forgets the map; the next frame starts a new segment at the last pose.
   void reset();
 
- private:
-  struct Estimate {
-    SE3 T_odom_camera = SE3::Identity();
-    Matrix6d covariance = Matrix6d::Identity();  // camera axes
-    ProjectionMatches matched;                   // inliers only
-  };
+  const VisualMap& map() const { return map_; }
+  const VisualOdometryCounts& counts() const { return counts_; }
 
+ private:
   std::string refuse(const RgbdFrame& frame) const;  // why not; empty: good
-  FeatureSet see(const RgbdFrame& frame) const;
-  std::optional<Estimate> track_map(const SE3& guess, const FeatureSet& set,
-                                    double radius_px) const;
-  Estimate estimate_pose(const SE3& guess, const FeatureSet& set, const FeatureGrid& grid,
-                         double radius_px) const;
-  TrackingResult tracked(std::int64_t utime_us, const Estimate& estimate, FeatureSet set);
-  TrackingResult lost(std::int64_t utime_us, FeatureSet set);
-  void add_keyframe(const Estimate& estimate, bool connected, FeatureSet set,
+  FeatureSet see(const RgbdFrame& frame);
+  void take_up_news();
+  std::map<std::int64_t, std::int64_t> finish_mapping();  // landmarks that became others
+  void renew_local_map();
+  std::vector<SE3> guesses(std::int64_t utime_us) const;
+  std::optional<SE3> lidar_prediction(std::int64_t utime_us) const;  // T_odom_camera
+  std::optional<PoseEstimate> track_from(const std::vector<SE3>& guesses, const FeatureSet& set);
+  std::optional<PoseEstimate> find_again(const FeatureSet& set);
+  bool contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate) const;
+  TrackingResult tracked(std::int64_t utime_us, const PoseEstimate& estimate, FeatureSet set);
+  TrackingResult lost(std::int64_t utime_us, const std::string& why, FeatureSet set);
+  TrackingResult start_segment(std::int64_t utime_us, FeatureSet set);
+  std::vector<SeenLandmark> landmarks_in(const PoseEstimate& estimate) const;
+  void count_looks(const PoseEstimate& estimate);
+  bool wants_keyframe(const PoseEstimate& estimate, const FeatureSet& set);
+  void add_keyframe(std::vector<SeenLandmark> seen, bool connected, FeatureSet set,
                     TrackingResult* result);
+  void join_segments(const FeatureSet& set);
+  std::vector<RefinedEdge> settled_edges();
   void fill_pose(const SE3& T_odom_camera, TrackingResult* result) const;
+  SE3 T_odom_reference() const;
 
   VisualOdometryConfig config_;
   CameraModel camera_;
-  SE3 T_base_camera_;
+  RobotModel robot_;
   OrbExtractor extractor_;
   std::vector<double> scales_;
   MotionModel motion_;
-  LocalMap map_;
-  SE3 T_odom_camera_ = SE3::Identity();    // last pose
-  SE3 T_odom_keyframe_ = SE3::Identity();  // camera pose of the last keyframe
-  std::int64_t keyframe_id_ = 0;
+  LidarMotion lidar_motion_;
+  std::optional<LaserScan> scan_;
+  GraphRevision revision_;
+  VisualMap map_;
+  LocalMap local_;
+  PlaceIndex places_;
+  LocalMapping mapping_;
+
+  SE3 T_odom_camera_ = SE3::Identity();  // last pose
+  std::int64_t reference_ = 0;           // keyframe that poses hang on; 0: none
+  std::int64_t newest_ = 0;              // last keyframe's id
+  int segment_ = 0;
+  int n_segments_ = 0;                         // that are not joined
+  std::map<std::int64_t, std::int64_t> open_;  // keyframes whose edge may still change: previous
+  int frames_since_keyframe_ = 0;
   int inliers_at_keyframe_ = 0;
-  bool fresh_keyframe_ = false;
   bool segment_started_ = false;
-  std::int64_t last_utime_us_ = 0;
-  std::int64_t fix_utime_us_ = 0;
+  bool found_again_ = false;             // this frame: a keyframe ties the place to what follows
+  bool weak_ = false;                    // the last frame was not OK
+  std::int64_t last_utime_us_ = 0;       // of a frame
+  std::int64_t pose_utime_us_ = 0;       // of T_odom_camera_
+  std::int64_t fix_utime_us_ = 0;        // of the last measured pose
+  std::int64_t searching_since_us_ = 0;  // first of the lost frames that show something; 0: none
+  VisualOdometryCounts counts_;
 };
 
 }  // namespace fusion_slam

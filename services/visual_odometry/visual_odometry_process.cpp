@@ -38,6 +38,11 @@ VisualOdometryProcess::VisualOdometryProcess(Bus& bus, VisualOdometryConfig conf
                                  [this](const camera_model_t& m) { on_camera_model(m); });
   bus_.subscribe<robot_model_t>("ROBOT_MODEL", Policy::kLatestOnly,
                                 [this](const robot_model_t& m) { on_robot_model(m); });
+  bus_.subscribe<bot_core::planar_lidar_t>(
+      "LIDAR", Policy::kLatestOnly, [this](const bot_core::planar_lidar_t& m) { on_lidar(m); });
+  bus_.subscribe<pose_estimate_t>("LIDAR_POSE", Policy::kKeepAll,
+                                  [this](const pose_estimate_t& m) { on_lidar_pose(m); });
+  bus_.subscribe<graph_t>("GRAPH", Policy::kKeepAll, [this](const graph_t& m) { on_graph(m); });
   bus_.subscribe<bot_core::images_t>("CAMERA", Policy::kLatestOnly,
                                      [this](const bot_core::images_t& m) { on_camera(m); });
   bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
@@ -53,11 +58,35 @@ void VisualOdometryProcess::on_camera_model(const camera_model_t& message) {
 }
 
 void VisualOdometryProcess::on_robot_model(const robot_model_t& message) {
-  if (T_base_camera_) return;
+  if (robot_) return;
   std::string why;
-  const std::optional<RobotModel> robot = from_message(message, &why);
-  if (!robot) return bus_.report_error("ROBOT_MODEL refused: " + why);
-  T_base_camera_ = robot->T_base_camera;
+  robot_ = from_message(message, &why);
+  if (!robot_) bus_.report_error("ROBOT_MODEL refused: " + why);
+}
+
+void VisualOdometryProcess::on_lidar(const bot_core::planar_lidar_t& message) {
+  std::string why;
+  std::optional<LaserScan> scan = from_message(message, &why);
+  if (!scan) return bus_.report_error("LIDAR refused: " + why);
+  if (odometry_) odometry_->add_scan(std::move(*scan));
+}
+
+void VisualOdometryProcess::on_lidar_pose(const pose_estimate_t& message) {
+  const bool measured =
+      message.state == pose_estimate_t::OK || message.state == pose_estimate_t::WEAK;
+  if (!odometry_ || !measured) return;
+  if (const std::optional<SE3> T_odom_base = from_message(message.T_frame_base))
+    odometry_->add_lidar_pose(message.utime, *T_odom_base);
+  else
+    bus_.report_error("LIDAR_POSE refused: the pose is not a rigid motion");
+}
+
+void VisualOdometryProcess::on_graph(const graph_t& message) {
+  if (!odometry_) return;
+  for (const graph_node_t& node : message.nodes)
+    if (node.kind == graph_node_t::KEYFRAME)
+      if (const std::optional<SE3> T_map_base = from_message(node.T_map_base))
+        odometry_->add_graph_node(node.id, *T_map_base);
 }
 
 void VisualOdometryProcess::on_command(const command_t& message) {
@@ -67,9 +96,9 @@ void VisualOdometryProcess::on_command(const command_t& message) {
 
 void VisualOdometryProcess::on_camera(const bot_core::images_t& message) {
   if (!odometry_) {
-    if (!camera_ || !T_base_camera_)
+    if (!camera_ || !robot_)
       return bus_.report_error("CAMERA ignored: no CAMERA_MODEL or ROBOT_MODEL yet");
-    odometry_ = std::make_unique<VisualOdometry>(*camera_, *T_base_camera_, config_);
+    odometry_ = std::make_unique<VisualOdometry>(*camera_, *robot_, config_);
   }
   std::string why;
   const std::optional<RgbdFrame> frame = from_message(message, &why);
@@ -121,6 +150,11 @@ void VisualOdometryProcess::publish_keyframe(const Keyframe& keyframe,
     message.depth_sigma_m.push_back(f.depth_sigma_m);
     message.landmark_id.push_back(keyframe.landmark_of_feature[i]);
     descriptor_to_bytes(set.descriptors[i], message.descriptors.data() + i * kDescriptorBytes);
+  }
+  message.n_refined = static_cast<std::int32_t>(keyframe.refined.size());
+  for (const RefinedEdge& edge : keyframe.refined) {
+    message.refined_id.push_back(edge.id);
+    message.T_previous_refined.push_back(to_message(edge.T_previous_base, keyframe.utime_us));
   }
   bus_.publish("KEYFRAME", std::move(message));
   keyframe_image_t image{};

@@ -1,12 +1,16 @@
-// Visual odometry on the bus: CAMERA in; VISUAL_POSE, KEYFRAME and KEYFRAME_IMAGE out.
+// Visual odometry on the bus: CAMERA, LIDAR, LIDAR_POSE and GRAPH in; VISUAL_POSE, KEYFRAME and
+// KEYFRAME_IMAGE out.
 #pragma once
 
 #include <memory>
 #include <optional>
 
 #include "bot_core/images_t.hpp"
+#include "bot_core/planar_lidar_t.hpp"
 #include "fusion_slam/camera_model_t.hpp"
 #include "fusion_slam/command_t.hpp"
+#include "fusion_slam/graph_t.hpp"
+#include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
 #include "services/visual_odometry/visual_odometry.hpp"
@@ -23,6 +27,9 @@ class VisualOdometryProcess {
  private:
   void on_camera_model(const camera_model_t& message);
   void on_robot_model(const robot_model_t& message);
+  void on_lidar(const bot_core::planar_lidar_t& message);
+  void on_lidar_pose(const pose_estimate_t& message);
+  void on_graph(const graph_t& message);
   void on_camera(const bot_core::images_t& message);
   void on_command(const command_t& message);
   void publish_pose(const TrackingResult& result);
@@ -31,7 +38,7 @@ class VisualOdometryProcess {
   Bus& bus_;
   VisualOdometryConfig config_;
   std::optional<CameraModel> camera_;
-  std::optional<SE3> T_base_camera_;
+  std::optional<RobotModel> robot_;
   std::unique_ptr<VisualOdometry> odometry_;
 };
 

@@ -1,30 +1,51 @@
-// Runs visual odometry and loop detection on a 7-Scenes or TUM RGB-D directory without any bus:
-// trajectory, states, and time per frame on one core. Not a test: figures for people.
+// Runs visual odometry on a recording without any bus: accuracy, states, and time per frame. Not a
+// test: figures for people.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
 #include <map>
+#include <memory>
+#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
+#include <sys/resource.h>
 
-#include "libs/datasets/rgbd_dataset.hpp"
-#include "services/loop_detector/loop_detector.hpp"
+#include "libs/evaluation/trajectory_error.hpp"
+#include "libs/evaluation/tum_file.hpp"
 #include "services/visual_odometry/visual_odometry.hpp"
+#include "tests/bench/visual_odometry/recording_source.hpp"
 
-namespace fs = fusion_slam;
-
+namespace fusion_slam {
 namespace {
 
-void write_pose(std::ofstream& file, std::int64_t utime_us, const fs::SE3& T) {
-  const Eigen::Quaterniond q(T.linear());
-  char line[256];
-  std::snprintf(line, sizeof line, "%.6f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", utime_us * 1e-6,
-                T.translation().x(), T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(),
-                q.w());
-  file << line;
-}
+struct Posed {
+  std::int64_t utime_us = 0;
+  SE3 T_odom_base = SE3::Identity();
+  std::int64_t reference = 0;
+  SE3 T_reference_base = SE3::Identity();
+};
+
+struct Edge {
+  std::int64_t previous = 0;
+  SE3 T_previous_base = SE3::Identity();
+  SE3 T_odom_base = SE3::Identity();  // used when there is no previous one
+};
+
+struct Run {
+  CameraModel camera;
+  RobotModel robot;
+  std::unique_ptr<VisualOdometry> odometry;
+  std::vector<Posed> poses;
+  std::map<std::int64_t, Edge> edges;
+  std::vector<double> cpu_ms;   // of the tracking thread
+  std::vector<double> wall_ms;  // as a caller waits
+  int states[4] = {};
+  int keyframes = 0;
+  std::int64_t first_us = 0;
+  std::int64_t last_us = 0;
+};
 
 double quantile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0.0;
@@ -32,118 +53,199 @@ double quantile(std::vector<double> values, double fraction) {
   return values[static_cast<std::size_t>(fraction * (values.size() - 1))];
 }
 
-// Of this process's own work: other programs on the machine don't count.
-double cpu_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+double thread_cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return now.tv_sec * 1e3 + now.tv_nsec * 1e-6;
+}
 
-// T_world_camera of the reference at this time; nothing when it has no pose within 20 ms.
-const fs::SE3* reference_at(const fs::RgbdDataset& dataset, std::int64_t utime_us) {
-  const fs::ReferencePose* best = nullptr;
-  for (const fs::ReferencePose& pose : dataset.reference)
-    if (best == nullptr || std::abs(pose.utime_us - utime_us) < std::abs(best->utime_us - utime_us))
-      best = &pose;
-  const bool near = best != nullptr && std::abs(best->utime_us - utime_us) < 20'000;
-  return near ? &best->T_world_reference : nullptr;
+void track(const RgbdFrame& frame, bool verbose, Run* run) {
+  const auto wall = std::chrono::steady_clock::now();
+  const double cpu = thread_cpu_ms();
+  const TrackingResult result = run->odometry->track(frame);
+  run->cpu_ms.push_back(thread_cpu_ms() - cpu);
+  run->wall_ms.push_back(
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count());
+  if (run->first_us == 0) run->first_us = frame.utime_us;
+  run->last_us = frame.utime_us;
+  ++run->states[static_cast<int>(result.state)];
+  const bool usable = result.state == TrackingState::kOk || result.state == TrackingState::kWeak;
+  if (usable)
+    run->poses.push_back(
+        {result.utime_us, result.T_odom_base, result.reference_id, result.T_reference_base});
+  if (verbose)
+    std::printf("%.3f s: state %d, %d matched, keyframe %lld %s%s\n",
+                (frame.utime_us - run->first_us) * 1e-6, static_cast<int>(result.state),
+                result.n_matched, static_cast<long long>(result.reference_id),
+                result.keyframe ? "NEW " : "", result.reason.c_str());
+  if (!result.keyframe) return;
+  ++run->keyframes;
+  const Keyframe& k = *result.keyframe;
+  run->edges[k.id] = {k.previous_id, k.T_previous_base, k.T_odom_base};
+  for (const RefinedEdge& edge : k.refined)
+    run->edges[edge.id].T_previous_base = edge.T_previous_base;
+}
+
+// The trajectory as a user gets it in the end, without loop closures: edges as local mapping left
+// them.
+Trajectory final_trajectory(const Run& run) {
+  std::map<std::int64_t, SE3> T_odom_keyframe;
+  for (const auto& [id, edge] : run.edges) {
+    const auto previous = T_odom_keyframe.find(edge.previous);
+    T_odom_keyframe[id] = previous == T_odom_keyframe.end()
+                              ? edge.T_odom_base
+                              : previous->second * edge.T_previous_base;
+  }
+  Trajectory result;
+  for (const Posed& p : run.poses)
+    result.push_back({p.utime_us * 1e-6, T_odom_keyframe[p.reference] * p.T_reference_base *
+                                             run.robot.T_base_reference()});
+  return result;
+}
+
+Trajectory live_trajectory(const Run& run) {
+  Trajectory result;
+  for (const Posed& p : run.poses)
+    result.push_back({p.utime_us * 1e-6, p.T_odom_base * run.robot.T_base_reference()});
+  return result;
+}
+
+double rpe(const Trajectory& reference, const Trajectory& estimate, ErrorRelation relation,
+           const RelativeOptions& relative) {
+  EvaluationOptions options;
+  options.alignment = Alignment::kSe3;
+  options.relation = relation;
+  const auto error = evaluate_rpe(reference, estimate, options, relative);
+  return error ? error->statistics.rmse : -1.0;
+}
+
+struct Scores {
+  double ape_m = -1.0, ape_max_m = -1.0, frame_m = -1.0, metre_m = -1.0, metre_deg = -1.0;
+  double coverage = 0.0;
+};
+
+Scores score(const Run& run, const Trajectory& reference, const Trajectory& estimate) {
+  Scores s;
+  EvaluationOptions options;
+  options.alignment = Alignment::kSe3;
+  options.window = TimeWindow{run.first_us * 1e-6, run.last_us * 1e-6};
+  const auto ape = evaluate_ape(reference, estimate, options);
+  if (!ape) {
+    std::printf("no APE: %s\n", ape.problem.c_str());
+    return s;
+  }
+  s.ape_m = ape->statistics.rmse;
+  s.ape_max_m = ape->statistics.max;
+  s.coverage = ape->coverage.percent;
+  const RelativeOptions metre{1.0, DeltaUnit::kMeters, true};
+  s.frame_m = rpe(reference, estimate, ErrorRelation::kTranslation, {});
+  s.metre_m = rpe(reference, estimate, ErrorRelation::kTranslation, metre);
+  s.metre_deg = rpe(reference, estimate, ErrorRelation::kRotation, metre);
+  return s;
+}
+
+void print(const Run& run, const std::string& name, const Scores& live, const Scores& last) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const VisualOdometryCounts& c = run.odometry->counts();
+  std::printf(
+      "%zu frames: ok %d weak %d lost %d refused %d; %d keyframes, %zu kept, %zu landmarks\n",
+      run.cpu_ms.size(), run.states[1], run.states[2], run.states[3], run.states[0], run.keyframes,
+      run.odometry->map().keyframes().size(), run.odometry->map().landmarks().size());
+  std::printf(
+      "mapping: %d jobs, %d triangulated, %d fused, %d observations refused, %d landmarks "
+      "and %d keyframes culled; %d relocalisations, %d joins, %lld LiDAR depths, %lld LiDAR "
+      "guesses\n",
+      c.mappings, c.triangulated, c.fused, c.observations_refused, c.landmarks_culled,
+      c.keyframes_culled, c.relocalisations, c.joins, static_cast<long long>(c.lidar_depths),
+      static_cast<long long>(c.lidar_guesses));
+  std::printf("CPU ms a frame (tracking thread): median %.1f p95 %.1f p99 %.1f max %.1f\n",
+              quantile(run.cpu_ms, 0.5), quantile(run.cpu_ms, 0.95), quantile(run.cpu_ms, 0.99),
+              quantile(run.cpu_ms, 1.0));
+  std::printf("live poses: APE %.4f (max %.4f), RPE/frame %.4f, RPE/m %.4f m %.3f deg\n",
+              live.ape_m, live.ape_max_m, live.frame_m, live.metre_m, live.metre_deg);
+  std::printf(
+      "| %s | %.1f %% | %.4f (%.4f) | %.4f | %.4f, %.3f | %.1f / %.1f / %.1f | %.1f / %.1f | %ld "
+      "|\n",
+      name.c_str(), last.coverage, last.ape_m, last.ape_max_m, last.frame_m, last.metre_m,
+      last.metre_deg, quantile(run.cpu_ms, 0.5), quantile(run.cpu_ms, 0.95),
+      quantile(run.cpu_ms, 0.99), quantile(run.wall_ms, 0.5), quantile(run.wall_ms, 0.99),
+      usage.ru_maxrss / 1024);
+}
+
+int bench(int argc, char** argv) {
+  CLI::App app{"Visual odometry on a recording: a directory of RGB-D images or an LCM log"};
+  std::string path, out, live_out, reference_out, lidar_poses, name;
+  bool verbose = false;
+  bool paced = false;
+  VisualOdometryConfig config;
+  app.add_option("recording", path)->required();
+  app.add_option("--out", out, "trajectory in the end, TUM format");
+  app.add_option("--live", live_out, "poses as they were said, TUM format");
+  app.add_option("--reference", reference_out, "also write the reference, TUM format");
+  app.add_option("--lidar-poses", lidar_poses, "a log with LIDAR_POSE of the same drive");
+  app.add_option("--name", name, "of the table's row");
+  app.add_flag("--verbose", verbose, "a line for each keyframe and each frame that is not OK");
+  app.add_flag("--paced", paced, "at the camera's own rate");
+  app.add_flag("!--no-lidar-depth", config.use_lidar_depth);
+  app.add_flag("!--no-lidar-motion", config.use_lidar_motion);
+  app.add_option("--features", config.orb.n_features);
+  app.add_option("--subpixel", config.orb.subpixel);
+  app.add_option("--pixel-sigma", config.pixel_sigma);
+  app.add_option("--bundle", config.bundle_keyframes);
+  app.add_option("--bundle-fixed", config.bundle_fixed_keyframes);
+  app.add_option("--near", config.local_near_keyframes);
+  app.add_option("--covisible", config.local_covisible_keyframes);
+  app.add_option("--recent", config.local_recent_keyframes);
+  app.add_option("--parallax", config.keyframe_parallax);
+  app.add_option("--rotation", config.keyframe_rotation_rad);
+  app.add_option("--iterations", config.bundle_iterations);
+  app.add_option("--fuse-radius", config.fuse_radius_px);
+  app.add_option("--parallax-rad", config.min_parallax_rad);
+  app.add_option("--redundant", config.redundant_share);
+  app.add_option("--trial-keyframes", config.trial_keyframes);
+  app.add_option("--trial-frames", config.trial_frames);
+  app.add_option("--outlier", config.bundle_outlier_3d);
+  app.add_option("--mapping-frames", config.mapping_frames);
+  CLI11_PARSE(app, argc, argv);
+  cv::setNumThreads(1);
+
+  Run run;
+  BenchListener listener;
+  listener.models = [&](const CameraModel& camera, const RobotModel& robot) {
+    run.camera = camera;
+    run.robot = robot;
+    run.odometry = std::make_unique<VisualOdometry>(camera, robot, config);
+  };
+  const auto start = std::chrono::steady_clock::now();
+  listener.frame = [&](const RgbdFrame& frame) {
+    if (paced && run.first_us != 0)
+      std::this_thread::sleep_until(start +
+                                    std::chrono::microseconds(frame.utime_us - run.first_us));
+    track(frame, verbose, &run);
+  };
+  listener.scan = [&](const LaserScan& scan) { run.odometry->add_scan(scan); };
+  listener.lidar_pose = [&](std::int64_t utime_us, const SE3& T) {
+    run.odometry->add_lidar_pose(utime_us, T);
+  };
+  const Trajectory reference = play_recording(path, lidar_poses, listener);
+  const Trajectory last = final_trajectory(run);
+  if (!out.empty()) write_tum(out, last);
+  if (!live_out.empty()) write_tum(live_out, live_trajectory(run));
+  if (!reference_out.empty()) write_tum(reference_out, reference);
+  print(run, name.empty() ? path : name, score(run, reference, live_trajectory(run)),
+        score(run, reference, last));
+  return 0;
 }
 
 }  // namespace
+}  // namespace fusion_slam
 
 int main(int argc, char** argv) {
-  CLI::App app{"Visual odometry on a directory of RGB-D images"};
-  std::string directory;
-  std::string out = "estimate.tum";
-  std::string reference;
-  bool tum = false;
-  bool verbose = false;
-  std::size_t every = 1;
-  app.add_option("directory", directory)->required();
-  app.add_option("--out", out, "trajectory of the camera, TUM format");
-  app.add_option("--reference", reference, "also write the reference, TUM format");
-  app.add_flag("--tum", tum, "TUM RGB-D instead of 7-Scenes");
-  app.add_flag("--verbose", verbose, "a line for each keyframe, loss and loop candidate");
-  app.add_option("--every", every, "use each n-th frame only");
-  fs::VisualOdometryConfig config;
-  app.add_option("--features", config.orb.n_features, "features of an image");
-  app.add_option("--local-map", config.local_map_keyframes, "keyframes of the local map");
-  app.add_option("--pixel-sigma", config.pixel_sigma, "noise of a corner, px");
-  app.add_option("--radius", config.wide_radius_px, "first search around the prediction, px");
-  app.add_option("--inlier-ratio", config.keyframe_inlier_ratio, "a keyframe below this");
-  app.add_option("--parallax", config.keyframe_parallax, "a keyframe above this");
-  CLI11_PARSE(app, argc, argv);
-
-  cv::setNumThreads(1);
-  const fs::RgbdDataset dataset =
-      tum ? fs::open_tum_rgbd(directory) : fs::open_seven_scenes(directory);
-  if (!reference.empty()) {
-    std::ofstream file(reference);
-    for (const auto& pose : dataset.reference)
-      write_pose(file, pose.utime_us, pose.T_world_reference);
+  try {
+    return fusion_slam::bench(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "visual_odometry_bench: %s\n", e.what());
+    return 1;
   }
-  fs::VisualOdometry odometry(dataset.camera, fs::SE3::Identity(), config);
-  fs::LoopDetector detector(dataset.camera, fs::SE3::Identity());
-  std::ofstream file(out);
-  std::vector<double> odometry_ms;
-  std::vector<double> detector_ms;
-  std::vector<double> matched;
-  std::vector<double> loop_errors_m;  // of those that passed geometry
-  std::map<std::int64_t, std::int64_t> utime_of_keyframe;
-  int states[4] = {};
-  int keyframes = 0;
-  int candidates = 0;
-  int geometric = 0;
-  for (std::size_t i = 0; i < dataset.entries.size(); i += every) {
-    std::string why;
-    const auto frame = fs::load_frame(dataset, i, &why);
-    if (!frame) {
-      std::printf("frame %zu: %s\n", i, why.c_str());
-      continue;
-    }
-    double start_ms = cpu_ms();
-    const fs::TrackingResult result = odometry.track(*frame);
-    odometry_ms.push_back(cpu_ms() - start_ms);
-    matched.push_back(result.n_matched);
-    ++states[static_cast<int>(result.state)];
-    const bool usable =
-        result.state == fs::TrackingState::kOk || result.state == fs::TrackingState::kWeak;
-    if (usable) write_pose(file, result.utime_us, result.T_odom_base);
-    if (verbose && result.state != fs::TrackingState::kOk)
-      std::printf("frame %zu: state %d, %s\n", i, static_cast<int>(result.state),
-                  result.reason.c_str());
-    if (!result.keyframe) continue;
-    ++keyframes;
-    const fs::Keyframe& k = *result.keyframe;
-    utime_of_keyframe[k.id] = k.utime_us;
-    if (verbose)
-      std::printf("frame %zu: keyframe %lld, %d matched, %zu features\n", i,
-                  static_cast<long long>(k.id), result.n_matched, k.features.size());
-    start_ms = cpu_ms();
-    const auto found = detector.add({k.id, k.utime_us, k.T_odom_base, k.features});
-    detector_ms.push_back(cpu_ms() - start_ms);
-    for (const fs::LoopCandidate& c : found) {
-      ++candidates;
-      geometric += c.stages[1].passed ? 1 : 0;
-      const fs::SE3* from = reference_at(dataset, utime_of_keyframe[c.from_id]);
-      const fs::SE3* to = reference_at(dataset, k.utime_us);
-      if (c.stages[1].passed && from != nullptr && to != nullptr)
-        loop_errors_m.push_back(fs::local(from->inverse() * *to, c.T_from_to).head<3>().norm());
-      if (!verbose) continue;
-      std::printf("  %lld -> %lld:", static_cast<long long>(c.to_id),
-                  static_cast<long long>(c.from_id));
-      for (const fs::StageVerdict& s : c.stages)
-        std::printf(" %s %.3f/%.3f %s;", s.stage.c_str(), s.score, s.threshold,
-                    s.passed ? "yes" : "no");
-      std::printf("\n");
-    }
-  }
-  std::printf("%zu frames: ok %d weak %d lost %d refused %d; %d keyframes, median %.0f matched\n",
-              odometry_ms.size(), states[1], states[2], states[3], states[0], keyframes,
-              quantile(matched, 0.5));
-  std::printf("odometry CPU ms a frame: median %.1f p95 %.1f max %.1f\n",
-              quantile(odometry_ms, 0.5), quantile(odometry_ms, 0.95), quantile(odometry_ms, 1.0));
-  std::printf(
-      "loop detector: %d candidates, %d geometric; CPU ms a keyframe: median %.1f max %.1f\n",
-      candidates, geometric, quantile(detector_ms, 0.5), quantile(detector_ms, 1.0));
-  std::printf("loops that passed geometry, m from the reference: median %.3f p95 %.3f max %.3f\n",
-              quantile(loop_errors_m, 0.5), quantile(loop_errors_m, 0.95),
-              quantile(loop_errors_m, 1.0));
-  return 0;
 }

@@ -2,13 +2,14 @@
 
 #include "libs/datasets/rgbd_dataset.hpp"
 #include "services/visual_odometry/visual_odometry.hpp"
+#include "tests/services/visual_odometry/rendered_wall.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace fusion_slam {
 namespace {
 
 std::vector<TrackingResult> track_first(const RgbdDataset& dataset, std::size_t n) {
-  VisualOdometry odometry(dataset.camera, SE3::Identity());
+  VisualOdometry odometry(dataset.camera, robot_with(SE3::Identity()));
   std::vector<TrackingResult> results;
   for (std::size_t i = 0; i < std::min(n, dataset.entries.size()); ++i) {
     std::string why;

@@ -8,6 +8,7 @@
 #include "libs/camera/camera_model.hpp"
 #include "libs/camera/rgbd_frame.hpp"
 #include "libs/geometry/pose.hpp"
+#include "libs/robot/robot_model.hpp"
 
 namespace fusion_slam {
 
@@ -65,6 +66,14 @@ inline SE3 walk(int step) {
   return from_xyz_rpy(0.5 * std::sin(0.06 * step), 0.15 * std::sin(0.1 * step), -1.6 + 0.003 * step,
                       0.1 * std::sin(0.05 * step), 0.15 * std::sin(0.07 * step),
                       0.1 * std::sin(0.03 * step));
+}
+
+// A robot that is all camera, mounted so.
+inline RobotModel robot_with(const SE3& T_base_camera) {
+  RobotModel robot;
+  robot.has_camera = true;
+  robot.T_base_camera = T_base_camera;
+  return robot;
 }
 
 inline RgbdFrame blank(const CameraModel& camera, std::int64_t utime_us) {

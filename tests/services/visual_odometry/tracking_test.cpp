@@ -26,7 +26,7 @@ class Tracking : public testing::Test {
 
   CameraModel camera_;
   RenderedWall wall_;
-  VisualOdometry odometry_{camera_, kMounting};
+  VisualOdometry odometry_{camera_, robot_with(kMounting)};
   std::int64_t n_frames_ = 0;
 };
 
@@ -42,14 +42,15 @@ TEST_F(Tracking, FollowsACameraAlongAWall) {
     if (result.keyframe) {
       EXPECT_EQ(result.keyframe->id, previous_id + 1);
       EXPECT_EQ(result.keyframe->previous_id, previous_id);
+      // Local mapping has moved the previous keyframe a little since.
       const SE3 composed = T_odom_keyframe * result.keyframe->T_previous_base;
-      EXPECT_LT(local(composed, result.T_odom_base).norm(), 1e-9);
+      EXPECT_LT(local(composed, result.T_odom_base).norm(), 0.01);
       EXPECT_GT(result.keyframe->features.size(), 500U);
       previous_id = result.keyframe->id;
       T_odom_keyframe = result.keyframe->T_odom_base;
     }
     EXPECT_EQ(result.reference_id, previous_id);
-    EXPECT_LT(local(T_odom_keyframe * result.T_reference_base, result.T_odom_base).norm(), 1e-9);
+    EXPECT_LT(local(T_odom_keyframe * result.T_reference_base, result.T_odom_base).norm(), 0.01);
     EXPECT_EQ(result.fix_utime_us, result.utime_us);
   }
   EXPECT_GE(previous_id, 4);
@@ -89,7 +90,7 @@ TEST_F(Tracking, StartsANewSegmentWhereItWasLost) {
   EXPECT_EQ(result.keyframe->previous_id, 0);
   EXPECT_EQ(result.keyframe->id, before.reference_id + 1);
   EXPECT_EQ(result.state, TrackingState::kWeak);
-  EXPECT_LT(local(before.T_odom_base, result.T_odom_base).norm(), 1e-9);
+  EXPECT_LT(local(before.T_odom_base, result.T_odom_base).norm(), 0.005);
   EXPECT_GT(result.covariance(0, 0), 0.1);
   result = odometry_.track(elsewhere.see(camera_, walk(6), ++n_frames_ * kFrame_us));
   EXPECT_EQ(result.state, TrackingState::kOk);

@@ -1,0 +1,51 @@
+#include "services/visual_odometry/graph_revision.hpp"
+
+namespace fusion_slam {
+
+void GraphRevision::update(std::int64_t keyframe, const SE3& T_map_base) {
+  said_[keyframe] = T_map_base;
+  news_ = news_ || taken_.count(keyframe) > 0;
+}
+
+void GraphRevision::forget(std::int64_t keyframe) {
+  said_.erase(keyframe);
+  taken_.erase(keyframe);
+}
+
+int GraphRevision::take_up(std::int64_t reference, const SE3& T_base_camera,
+                           const VisualOdometryConfig& config, VisualMap* map) {
+  if (!news_) {
+    taken_.insert(said_.begin(), said_.end());
+    return 0;
+  }
+  news_ = false;
+  // Newer keyframes hang on this one: it is what stays where it is.
+  auto here = taken_.upper_bound(reference);
+  const MapKeyframe* anchor = nullptr;
+  while (anchor == nullptr && here != taken_.begin()) anchor = map->keyframe((--here)->first);
+  std::map<std::int64_t, SE3> T_new_old;
+  if (anchor != nullptr) {
+    const SE3 T_here_map = said_.at(anchor->id).inverse();
+    const SE3 T_odom_map = anchor->T_odom_camera * T_base_camera.inverse() * T_here_map;
+    for (const auto& [id, before] : taken_) {
+      MapKeyframe* keyframe = map->keyframe(id);
+      if (keyframe == nullptr || id + config.settle_keyframes >= reference) continue;
+      const Vector6d change = local(here->second.inverse() * before, T_here_map * said_.at(id));
+      if (change.head<3>().norm() < config.revision_m &&
+          change.tail<3>().norm() < config.revision_rad)
+        continue;
+      const SE3 T_odom_camera = T_odom_map * said_.at(id) * T_base_camera;
+      T_new_old.emplace(id, T_odom_camera * keyframe->T_odom_camera.inverse());
+      keyframe->T_odom_camera = T_odom_camera;
+    }
+  }
+  if (T_new_old.empty()) {
+    taken_.insert(said_.begin(), said_.end());
+  } else {
+    map->carry_landmarks(T_new_old);
+    taken_ = said_;
+  }
+  return static_cast<int>(T_new_old.size());
+}
+
+}  // namespace fusion_slam

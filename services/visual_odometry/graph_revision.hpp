@@ -1,0 +1,35 @@
+// What the pose graph says about keyframes, and how a loop closure reaches the map of visual
+// odometry without a jump in odom.
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "services/visual_odometry/config.hpp"
+#include "services/visual_odometry/visual_map.hpp"
+
+namespace fusion_slam {
+
+class GraphRevision {
+ public:
+  // A node of GRAPH.
+  void update(std::int64_t keyframe, const SE3& T_map_base);
+
+  // When the graph has bent since the last call (some keyframe has moved against `reference` by
+  // more than config.revision_m or revision_rad), lays those keyframes, with the landmarks
+  // first seen there, where the graph says they are as seen from `reference`. The reference
+  // and the newest config.settle_keyframes stay where they are, so the pose of the camera in odom
+  // does not change. Returns how many keyframes were moved.
+  int take_up(std::int64_t reference, const SE3& T_base_camera, const VisualOdometryConfig& config,
+              VisualMap* map);
+
+  // Of this keyframe, nothing is known any more (it was forgotten).
+  void forget(std::int64_t keyframe);
+
+ private:
+  std::map<std::int64_t, SE3> said_;   // newest
+  std::map<std::int64_t, SE3> taken_;  // as of the last take_up()
+  bool news_ = false;
+};
+
+}  // namespace fusion_slam
