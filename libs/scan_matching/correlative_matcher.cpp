@@ -127,6 +127,28 @@ double angular_step(const Points& points_base, double resolution_m) {
   return resolution_m / std::max(*most, 10.0 * resolution_m);
 }
 
+SearchWindow window_from_covariance(const Eigen::Matrix3d& covariance_grid, double sigmas,
+                                    const SearchWindow& least, const SearchWindow& most) {
+  // The window is as wide in y as in x: the longer axis of the ellipse counts.
+  const double xx = covariance_grid(0, 0), yy = covariance_grid(1, 1), xy = covariance_grid(0, 1);
+  const double longest = 0.5 * (xx + yy) + std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
+  const auto within = [&](double variance, double low, double high) {
+    // A variance that is no number or negative knows nothing.
+    const double reach = variance >= 0.0 ? sigmas * std::sqrt(variance) : high;
+    return std::clamp(reach, low, std::max(low, high));
+  };
+  SearchWindow window;
+  window.linear_m = within(longest, least.linear_m, most.linear_m);
+  window.angular_rad = within(covariance_grid(2, 2), least.angular_rad, most.angular_rad);
+  return window;
+}
+
+Eigen::Matrix3d grid_axes(const Eigen::Matrix3d& covariance_base, double yaw_rad) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(yaw_rad).toRotationMatrix();
+  return turn * covariance_base * turn.transpose();
+}
+
 std::optional<CorrelativeMatch> match_correlative(const SearchPyramid& pyramid,
                                                   const Points& points_base,
                                                   const SE2& T_grid_base_predicted,

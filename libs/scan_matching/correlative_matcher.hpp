@@ -20,6 +20,16 @@ struct SearchWindow {
   double edge_penalty = 0.05;
 };
 
+// The window that holds the truth when the prediction's error has this covariance: of (x, y, yaw),
+// the translation along the grid's axes, metres and radians. `sigmas` to each side, at least
+// `least`, at most `most` (their edge_penalty is not looked at). The penalty at the edge stays the
+// default. To turn a covariance of base axes: grid_axes().
+SearchWindow window_from_covariance(const Eigen::Matrix3d& covariance_grid, double sigmas,
+                                    const SearchWindow& least, const SearchWindow& most);
+
+// Covariance of xi in T_grid_base * xi (base axes) as one of the pose's x, y, yaw in the grid.
+Eigen::Matrix3d grid_axes(const Eigen::Matrix3d& covariance_base, double yaw_rad);
+
 struct CorrelativeMatch {
   SE2 T_grid_base;
   double score = 0.0;  // mean match probability of the points, less the penalty

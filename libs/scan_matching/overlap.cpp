@@ -22,18 +22,26 @@ Overlap measure_overlap(const Raster& raster, const Points& points_base, const S
   return overlap;
 }
 
-Points points_in_known_space(const Raster& raster, const Points& points_base,
-                             const SE2& T_grid_base, int reach) {
-  Points known;
-  for (const auto& p : points_base) {
-    const Eigen::Vector2d q = T_grid_base * p;
+std::vector<std::size_t> indices_in_known_space(const Raster& raster, const Points& points_base,
+                                                const SE2& T_grid_base, int reach) {
+  std::vector<std::size_t> known;
+  for (std::size_t i = 0; i < points_base.size(); ++i) {
+    const Eigen::Vector2d q = T_grid_base * points_base[i];
     const CellIndex c = raster.cell_of(q.x(), q.y());
-    bool found = false;
+    bool found = raster.at(c.x, c.y) != kUnknownCell;  // nearly always
     for (int dy = -reach; dy <= reach && !found; ++dy)
       for (int dx = -reach; dx <= reach && !found; ++dx)
         found = raster.at(c.x + dx, c.y + dy) != kUnknownCell;
-    if (found) known.push_back(p);
+    if (found) known.push_back(i);
   }
+  return known;
+}
+
+Points points_in_known_space(const Raster& raster, const Points& points_base,
+                             const SE2& T_grid_base, int reach) {
+  Points known;
+  for (const std::size_t i : indices_in_known_space(raster, points_base, T_grid_base, reach))
+    known.push_back(points_base[i]);
   return known;
 }
 

@@ -1,6 +1,9 @@
 // How well a placed scan agrees with a grid, in numbers a person can read. Pure functions.
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "libs/geometry/pose.hpp"
 #include "libs/scan_matching/raster.hpp"
 
@@ -22,5 +25,9 @@ Overlap measure_overlap(const Raster& raster, const Points& points_base, const S
 // take part in a match: it would be pulled back to where they are covered.
 Points points_in_known_space(const Raster& raster, const Points& points_base,
                              const SE2& T_grid_base, int reach);
+
+// The same as places in points_base, ascending.
+std::vector<std::size_t> indices_in_known_space(const Raster& raster, const Points& points_base,
+                                                const SE2& T_grid_base, int reach);
 
 }  // namespace fusion_slam

@@ -12,16 +12,6 @@ void append(std::vector<Tile>& all, std::vector<Tile> more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-// How an error of `from` in its own axes shows at the end of T_from_to, in that end's axes.
-Eigen::Matrix3d adjoint_of_inverse(const SE2& T_from_to) {
-  const SE2 T = T_from_to.inverse();
-  Eigen::Matrix3d ad = Eigen::Matrix3d::Identity();
-  ad.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(T.yaw).toRotationMatrix();
-  ad(0, 2) = T.y;
-  ad(1, 2) = -T.x;
-  return ad;
-}
-
 }  // namespace
 
 LidarMapper::LidarMapper(const RobotModel& robot, const LidarMapperConfig& config)
@@ -52,7 +42,7 @@ MapperOutput LidarMapper::add_scan(const LaserScan& scan) {
   const ScanClock::Interval interval = clock_.advance(scan.utime_us);
   const Prediction prediction =
       predictor_.predict(last_scan_.utime_us, scan.utime_us, interval, robot_.map_resolution_m);
-  const ScanPoints points =
+  ScanPoints points =
       read_scan(scan, robot_, prediction.twist, config_.max_range_cells * robot_.map_resolution_m);
   const bool usable = points.hits_base.size() >= static_cast<std::size_t>(config_.min_points);
   counts_.unusable += usable ? 0 : 1;
@@ -61,15 +51,19 @@ MapperOutput LidarMapper::add_scan(const LaserScan& scan) {
   if (!usable && node_id_ == 0) return out;
 
   const ScanMatch match = place(points, usable, prediction);
-  accept(match, prediction, interval.dt_s);
+  accept(match, prediction, interval);
   if (usable && lost_in_a_row_ >= config_.lost_scans_to_restart) {
     append(out.tiles, submaps_.finish_all());
     ++counts_.restarts;
   }
   const bool lost = match.state == MatchState::kLost;
-  if (usable && (submaps_.empty() || (!lost && deserves_node())))
-    out.node = make_node(points, scan.utime_us, out.tiles);
-  out.pose = make_pose_estimate(match, scan.utime_us);
+  if (usable && (submaps_.empty() || (!lost && deserves_node()))) {
+    straighten(scan, robot_, match.twist, points);
+    const auto measured_us =
+        scan.utime_us - static_cast<std::int64_t>(std::llround(interval.late_s * 1e6));
+    out.node = make_node(points, measured_us, out.tiles);
+  }
+  out.pose = make_pose_estimate(match, interval.late_s);
   return out;
 }
 
@@ -82,29 +76,55 @@ bool LidarMapper::is_duplicate(const LaserScan& scan) const {
 }
 
 ScanMatch LidarMapper::place(const ScanPoints& points, bool usable, const Prediction& prediction) {
-  if (node_id_ == 0) return {T_odom_base_, Eigen::Matrix3d::Zero(), MatchState::kOk, "", {}};
+  if (node_id_ == 0) {
+    ScanMatch first;
+    first.T_odom_base = T_odom_base_;
+    first.state = MatchState::kOk;
+    return first;
+  }
+  filter_.predict(prediction.motion, prediction.covariance());
   const SE2 T_odom_predicted = T_odom_base_ * prediction.motion;
   if (!usable) return dead_reckon(T_odom_predicted, prediction, "too few beams returned");
   if (!pyramid_) pyramid_ = std::make_unique<SearchPyramid>(submaps_.oldest().raster());
-  return match_scan(submaps_.oldest(), *pyramid_, points.hits_base, T_odom_predicted, prediction,
-                    config_);
+  return match_scan(submaps_.oldest(), *pyramid_, points, T_odom_predicted, prediction,
+                    filter_.covariance(), robot_, config_);
 }
 
-void LidarMapper::accept(const ScanMatch& match, const Prediction& prediction, double dt_s) {
+void LidarMapper::accept(const ScanMatch& match, const Prediction& prediction,
+                         const ScanClock::Interval& interval) {
   const bool lost = match.state == MatchState::kLost;
-  const SE2 motion = T_odom_base_.inverse() * match.T_odom_base;
-  if (lost) {  // errors add up until something is recognised
-    const Eigen::Matrix3d carry = adjoint_of_inverse(motion);
-    covariance_ = carry * covariance_ * carry.transpose() + match.covariance;
-  } else {
-    covariance_ = match.covariance;
+  const Eigen::Matrix3d predicted = filter_.covariance();
+  if (!lost) {
+    filter_.update(match.information);
     last_fix_us_ = last_scan_.utime_us;
+  } else {  // whatever has gone wrong, the prediction may be part of it
+    filter_.predict({},
+                    Eigen::Vector3d(prediction.window_m, prediction.window_m, prediction.window_rad)
+                        .array()
+                        .square()
+                        .matrix()
+                        .asDiagonal());
+  }
+  if (match.state == MatchState::kOk && node_id_ != 0) {
+    const SE2 error = (T_odom_base_ * prediction.motion).inverse() * match.T_odom_base;
+    // Only what the match saw better than the prediction knew.
+    const Eigen::Vector3d before = predicted.diagonal();
+    const Eigen::Vector3d gain = before - filter_.covariance().diagonal();
+    const Eigen::Vector3d explained =
+        (gain.array() > 0.5 * before.array()).select(gain, Eigen::Vector3d::Zero());
+    predictor_.learn(
+        prediction.source,
+        {explained.x() > 0.0 ? error.x : 0.0, explained.y() > 0.0 ? error.y : 0.0, error.yaw},
+        explained);
   }
   T_odom_base_ = match.T_odom_base;
   lost_in_a_row_ = lost ? lost_in_a_row_ + 1 : 0;
   counts_.lost += lost ? 1 : 0;
   counts_.weak += match.state == MatchState::kWeak ? 1 : 0;
-  predictor_.add_scan_pose(dt_s, T_odom_base_);
+  if (robot_.lidar.beam_period_s > 0.0 && !lost)
+    predictor_.add_scan_pose(interval.dt_s, T_odom_base_, match.twist);
+  else
+    predictor_.add_scan_pose(interval.dt_s, T_odom_base_);
   // A guessed velocity is good for a moment; then the robot is better taken to stand.
   if (lost_in_a_row_ > 2 && prediction.source == PredictionSource::kConstantVelocity)
     predictor_.forget_velocity();
@@ -126,8 +146,7 @@ LidarNode LidarMapper::make_node(const ScanPoints& points, std::int64_t utime_us
   node.previous_id = node_id_;
   if (node_id_ != 0) {
     node.T_previous_base = T_odom_node_.inverse() * T_odom_base_;
-    const Eigen::Matrix3d carry = adjoint_of_inverse(node.T_previous_base);
-    node.covariance = carry * node_covariance_ * carry.transpose() + covariance_;
+    node.covariance = filter_.since_node(node.T_previous_base);
   }
   append(tiles, submaps_.insert(node.id, points, T_odom_base_, utime_us));
   pyramid_.reset();
@@ -139,21 +158,26 @@ LidarNode LidarMapper::make_node(const ScanPoints& points, std::int64_t utime_us
   node.points_base = points.hits_base;
   node_id_ = node.id;
   T_odom_node_ = T_odom_base_;
-  node_covariance_ = new_map ? Eigen::Matrix3d(Eigen::Matrix3d::Zero()) : covariance_;
-  if (new_map) lost_in_a_row_ = 0;
+  if (new_map) {
+    lost_in_a_row_ = 0;
+    filter_.reset();
+  }
+  filter_.clone();
   ++counts_.nodes;
   return node;
 }
 
-LidarPose LidarMapper::make_pose_estimate(const ScanMatch& match, std::int64_t utime_us) const {
+// The pose at the scan's stamp. The scan was measured `late_s` before: the robot moved on.
+LidarPose LidarMapper::make_pose_estimate(const ScanMatch& match, double late_s) const {
   LidarPose pose;
-  pose.utime_us = utime_us;
-  pose.T_odom_base = T_odom_base_;
-  pose.covariance = covariance_;
+  pose.utime_us = last_scan_.utime_us;
+  pose.T_odom_base =
+      late_s == 0.0 ? T_odom_base_ : T_odom_base_ * predictor_.velocity().motion(late_s);
+  pose.covariance = filter_.covariance();
   pose.state = match.state;
   pose.reason = match.reason;
   pose.reference_id = node_id_;
-  pose.T_reference_base = T_odom_node_.inverse() * T_odom_base_;
+  pose.T_reference_base = T_odom_node_.inverse() * pose.T_odom_base;
   pose.fix_utime_us = last_fix_us_;
   pose.n_matched = match.overlap.n_matched;
   return pose;

@@ -14,6 +14,7 @@
 #include "services/lidar_mapper/config.hpp"
 #include "services/lidar_mapper/match_scan.hpp"
 #include "services/lidar_mapper/motion_predictor.hpp"
+#include "services/lidar_mapper/pose_filter.hpp"
 #include "services/lidar_mapper/scan_clock.hpp"
 #include "services/lidar_mapper/submap.hpp"
 
@@ -82,10 +83,11 @@ class LidarMapper {
  private:
   bool is_duplicate(const LaserScan& scan) const;
   ScanMatch place(const ScanPoints& points, bool usable, const Prediction& prediction);
-  void accept(const ScanMatch& match, const Prediction& prediction, double dt_s);
+  void accept(const ScanMatch& match, const Prediction& prediction,
+              const ScanClock::Interval& interval);
   bool deserves_node() const;
   LidarNode make_node(const ScanPoints& points, std::int64_t utime_us, std::vector<Tile>& tiles);
-  LidarPose make_pose_estimate(const ScanMatch& match, std::int64_t utime_us) const;
+  LidarPose make_pose_estimate(const ScanMatch& match, double late_s) const;
 
   const RobotModel robot_;
   const LidarMapperConfig config_;
@@ -94,13 +96,12 @@ class LidarMapper {
   ActiveSubmaps submaps_;
   std::unique_ptr<SearchPyramid> pyramid_;  // of the oldest submap; made anew after it changed
   LaserScan last_scan_;
-  SE2 T_odom_base_;                                       // of the last scan
-  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  // of the last scan in its submap
+  SE2 T_odom_base_;  // of the last scan
+  PoseFilter filter_;
   std::int64_t last_fix_us_ = 0;
   int lost_in_a_row_ = 0;
   std::int64_t node_id_ = 0;  // last node
   SE2 T_odom_node_;
-  Eigen::Matrix3d node_covariance_ = Eigen::Matrix3d::Zero();
   int nodes_since_publication_ = 0;
   MapperCounts counts_;
 };

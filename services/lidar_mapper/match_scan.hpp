@@ -13,16 +13,20 @@ namespace fusion_slam {
 enum class MatchState { kOk, kWeak, kLost };
 
 struct ScanMatch {
-  SE2 T_odom_base;                                           // the prediction when kLost
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  // (x, y, yaw) in base axes
+  SE2 T_odom_base;  // the prediction when kLost
+  Twist twist;      // during the sweep
+  // What the scan alone says of the pose, (x, y, yaw) in base axes; 0 when kLost.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   MatchState state = MatchState::kLost;
   const char* reason = "";  // why the state is not kOk
   Overlap overlap;
 };
 
-// `pyramid` is that of the submap's raster.
-ScanMatch match_scan(const Submap& submap, const SearchPyramid& pyramid, const Points& points_base,
+// `pyramid` is that of the submap's raster; `covariance` that of the predicted pose in the submap,
+// (x, y, yaw) in base axes: uncertainty since long ago included.
+ScanMatch match_scan(const Submap& submap, const SearchPyramid& pyramid, const ScanPoints& points,
                      const SE2& T_odom_predicted, const Prediction& prediction,
+                     const Eigen::Matrix3d& covariance, const RobotModel& robot,
                      const LidarMapperConfig& config);
 
 // What is left when matching can't be done: kLost at the prediction.

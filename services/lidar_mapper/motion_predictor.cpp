@@ -13,6 +13,12 @@ constexpr int kVelocityIntervals =
     2;  // one interval carries the jitter of its stamps and matches in full
 constexpr double kVelocitySpanS = 0.12;
 
+constexpr double kWindowSigmas = 3.0;
+constexpr double kLearningRate = 0.04;  // a few seconds
+constexpr double kSmallestVariance =
+    0.25;  // of the configuration's: half its sigma; wheels slip at last
+constexpr double kGreatestVariance = 9.0;
+
 double clamp_abs(double value, double limit) { return std::clamp(value, -limit, limit); }
 
 }  // namespace
@@ -62,6 +68,13 @@ Twist MotionPredictor::velocity() const {
     span_s += history_[--i].dt_s;
     ++intervals;
   }
+  if (!history_.empty() && history_.back().twist) {
+    Twist t = *history_.back().twist;
+    t.vx_mps = clamp_abs(t.vx_mps, config_.max_speed_mps);
+    t.vy_mps = clamp_abs(t.vy_mps, config_.max_speed_mps);
+    t.turn_radps = clamp_abs(t.turn_radps, config_.max_turn_radps);
+    return t;
+  }
   if (intervals == 0) return {};
   Twist twist = Twist::from_motion(history_[i - 1].pose.inverse() * history_.back().pose, span_s);
   twist.vx_mps = clamp_abs(twist.vx_mps, config_.max_speed_mps);
@@ -87,25 +100,56 @@ Prediction MotionPredictor::predict(std::int64_t last_us, std::int64_t now_us,
   if (plausible) {
     p.motion = *measured;
     p.twist = Twist::from_motion(*measured, dt);
-    const double moved = std::hypot(measured->x, measured->y);
-    p.window_m = std::max(config_.odometry_floor_m, resolution_m) + config_.odometry_error * moved;
-    p.window_rad = config_.odometry_floor_rad + config_.odometry_error * std::abs(measured->yaw);
+    p.sigma_m =
+        config_.odometry_sigma_m + config_.odometry_error * std::hypot(measured->x, measured->y);
+    p.sigma_rad = config_.odometry_sigma_rad + config_.odometry_error * std::abs(measured->yaw);
   } else {
     p.source = PredictionSource::kConstantVelocity;
     p.twist = velocity();
     // Over a gap the robot may have done anything: don't carry the velocity far.
     p.motion = p.twist.motion(std::min(dt, 0.5));
-    p.window_m = std::max(config_.speed_change_mps * dt, 3.0 * resolution_m);
-    p.window_rad = std::max(config_.turn_change_radps * dt, 0.1);
+    p.sigma_m = std::max(config_.speed_change_mps * dt, resolution_m);
+    p.sigma_rad = std::max(config_.turn_change_radps * dt, 0.03);
   }
-  p.window_m = std::min(p.window_m, config_.max_window_m);
-  p.window_rad = std::min(p.window_rad, M_PI);
+  const Eigen::Vector2d scale = trust(p.source);
+  p.window_m = kWindowSigmas * p.sigma_m * std::max(1.0, scale.x());
+  p.window_rad = kWindowSigmas * p.sigma_rad * std::max(1.0, scale.y());
+  p.sigma_m *= scale.x();
+  p.sigma_rad *= scale.y();
+  p.twist_sigma << config_.speed_change_mps, config_.speed_change_mps, config_.turn_change_radps;
+  p.twist_sigma *= scale.y();
   return p;
 }
 
+Eigen::Matrix3d Prediction::covariance() const {
+  return Eigen::Vector3d(sigma_m, sigma_m, sigma_rad).array().square().matrix().asDiagonal();
+}
+
+Eigen::Vector2d MotionPredictor::trust(PredictionSource source) const {
+  return learned_[static_cast<std::size_t>(source)].cwiseSqrt();
+}
+
+void MotionPredictor::learn(PredictionSource source, const Eigen::Vector3d& error,
+                            const Eigen::Vector3d& explained) {
+  Eigen::Vector2d& learned = learned_[static_cast<std::size_t>(source)];
+  const auto follow = [](double& variance, double squared, double expected) {
+    if (!(expected > 0.0)) return;
+    const double ratio = std::min(squared / expected, 9.0);  // a slip is not the rule
+    variance = std::clamp(variance * (1.0 + kLearningRate * (ratio - 1.0)), kSmallestVariance,
+                          kGreatestVariance);
+  };
+  follow(learned.x(), error.head<2>().squaredNorm(), explained.head<2>().sum());
+  follow(learned.y(), error.z() * error.z(), explained.z());
+}
+
 void MotionPredictor::add_scan_pose(double dt_s, const SE2& T_odom_base) {
-  history_.push_back({dt_s, T_odom_base});
+  history_.push_back({dt_s, T_odom_base, std::nullopt});
   if (history_.size() > 32) history_.pop_front();
+}
+
+void MotionPredictor::add_scan_pose(double dt_s, const SE2& T_odom_base, const Twist& twist) {
+  add_scan_pose(dt_s, T_odom_base);
+  history_.back().twist = twist;
 }
 
 }  // namespace fusion_slam

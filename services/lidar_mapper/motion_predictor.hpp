@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "libs/geometry/pose.hpp"
+#include "libs/scan_matching/twist.hpp"
 #include "services/lidar_mapper/config.hpp"
 #include "services/lidar_mapper/scan_clock.hpp"
-#include "services/lidar_mapper/scan_points.hpp"
 
 namespace fusion_slam {
 
@@ -39,10 +39,17 @@ class MotionSource {
 enum class PredictionSource { kNone, kOdometry, kVisual, kConstantVelocity };
 
 struct Prediction {
-  SE2 motion;             // T_base(last scan)_base(this scan)
-  Twist twist;            // velocity that goes on during this scan
-  double window_m = 0.0;  // the truth is within this (three sigma)
+  SE2 motion;            // T_base(last scan)_base(this scan)
+  Twist twist;           // velocity that goes on during this scan
+  double sigma_m = 0.0;  // of the motion, each axis
+  double sigma_rad = 0.0;
+  // The truth is within this: never less than three of the configuration's sigmas, however well the
+  // source has done so far.
+  double window_m = 0.0;
   double window_rad = 0.0;
+  Eigen::Vector3d twist_sigma = Eigen::Vector3d::Zero();  // m/s, m/s, rad/s
+  // Of (x, y, yaw) in base axes at the end of the motion.
+  Eigen::Matrix3d covariance() const;
   PredictionSource source = PredictionSource::kNone;
 };
 
@@ -64,19 +71,32 @@ class MotionPredictor {
 
   // The pose that the matching found, dt_s after the one before.
   void add_scan_pose(double dt_s, const SE2& T_odom_base);
+  // The same, with the velocity that was found during the sweep.
+  void add_scan_pose(double dt_s, const SE2& T_odom_base, const Twist& twist);
   void forget_velocity() { history_.clear(); }
+  Twist velocity() const;  // of the last scans; 0 when unknown
+
+  // What a good match says of the prediction: `error` of it, (x, y, yaw) in base axes, where
+  // `explained` of variance was expected by the prediction and seen by the match (0 in directions
+  // that the match didn't see). The source's sigmas grow or shrink with it.
+  void learn(PredictionSource source, const Eigen::Vector3d& error,
+             const Eigen::Vector3d& explained);
+  // Sigmas of this source, in those that the configuration starts with: (translation, rotation).
+  Eigen::Vector2d trust(PredictionSource source) const;
 
  private:
-  Twist velocity() const;
-
   const LidarMapperConfig config_;
   MotionSource odometry_;
   MotionSource visual_;
   struct Past {
     double dt_s;  // since the entry before
     SE2 pose;
+    std::optional<Twist> twist;
   };
   std::deque<Past> history_;
+  // Variances of the sources in those of the configuration: (translation, rotation), by source.
+  Eigen::Vector2d learned_[4] = {Eigen::Vector2d::Ones(), Eigen::Vector2d::Ones(),
+                                 Eigen::Vector2d::Ones(), Eigen::Vector2d::Ones()};
 };
 
 }  // namespace fusion_slam

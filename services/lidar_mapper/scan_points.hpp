@@ -2,24 +2,13 @@
 #pragma once
 
 #include "libs/robot/robot_model.hpp"
-#include "libs/scan_matching/raster.hpp"
+#include "libs/scan_matching/surface_refiner.hpp"
 
 namespace fusion_slam {
 
-// Constant planar velocity in base axes.
-struct Twist {
-  double vx_mps = 0.0;
-  double vy_mps = 0.0;
-  double turn_radps = 0.0;
-
-  // T_base(0)_base(dt_s): the motion during dt_s.
-  SE2 motion(double dt_s) const;
-  // The constant velocity that moves by `motion` in dt_s > 0.
-  static Twist from_motion(const SE2& motion, double dt_s);
-};
-
 struct ScanPoints {
-  Points hits_base;  // end points in base at the time of the first beam, in the order of the beams
+  SweepPoints sweep;  // in base as it stood at each beam, in the order of the beams
+  Points hits_base;   // the same in base at the time of the first beam: distortion removed
   // Between end points that lie on one surface (surface_fill): for the map, not for matching.
   Points surface_base;
   Eigen::Vector2d origin_base =
@@ -32,5 +21,9 @@ struct ScanPoints {
 // down included; heights are dropped.
 ScanPoints read_scan(const LaserScan& scan, const RobotModel& robot, const Twist& twist,
                      double max_range_m);
+
+// Removes the distortion anew, for a robot that moved with `twist` during the sweep.
+void straighten(const LaserScan& scan, const RobotModel& robot, const Twist& twist,
+                ScanPoints& points);
 
 }  // namespace fusion_slam

@@ -14,7 +14,10 @@ void append(std::vector<Tile>& all, std::vector<Tile> more) {
 
 Submap::Submap(std::int64_t anchor_node_id, const SE2& T_odom_submap, double resolution_m,
                const LidarMapperConfig& config)
-    : id_(anchor_node_id), T_odom_submap_(T_odom_submap), grid_(resolution_m, config) {}
+    : id_(anchor_node_id),
+      T_odom_submap_(T_odom_submap),
+      grid_(resolution_m, config),
+      surfaces_(2.0 * resolution_m) {}
 
 void Submap::insert(const ScanPoints& scan, const SE2& T_odom_base, std::int64_t utime_us) {
   const SE2 T_submap_base = T_odom_submap_.inverse() * T_odom_base;
@@ -24,7 +27,13 @@ void Submap::insert(const ScanPoints& scan, const SE2& T_odom_base, std::int64_t
     for (const auto& p : points) out.push_back(T_submap_base * p);
     return out;
   };
-  grid_.insert(T_submap_base * scan.origin_base, placed(scan.hits_base), placed(scan.surface_base));
+  const Points hits = placed(scan.hits_base);
+  grid_.insert(T_submap_base * scan.origin_base, hits, placed(scan.surface_base));
+  Points normals = scan.sweep.normals;
+  const Eigen::Rotation2Dd turn(T_submap_base.yaw);
+  for (auto& n : normals) n = turn * n;
+  normals.resize(hits.size(), Eigen::Vector2d::Zero());
+  surfaces_.add(hits, normals);
   newest_us_ = std::max(newest_us_, utime_us);
   ++n_scans_;
 }

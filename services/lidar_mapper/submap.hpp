@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libs/geometry/pose.hpp"
+#include "libs/scan_matching/surface_map.hpp"
 #include "libs/tiles/tile.hpp"
 #include "services/lidar_mapper/occupancy_grid.hpp"
 #include "services/lidar_mapper/scan_points.hpp"
@@ -22,6 +23,7 @@ class Submap {
   std::int64_t id() const { return id_; }
   const SE2& T_odom_submap() const { return T_odom_submap_; }
   const Raster& raster() const { return grid_.raster(); }
+  const SurfaceMap& surfaces() const { return surfaces_; }  // in the same frame
   int n_scans() const { return n_scans_; }
 
   void insert(const ScanPoints& scan, const SE2& T_odom_base, std::int64_t utime_us);
@@ -33,6 +35,7 @@ class Submap {
   std::int64_t id_;
   SE2 T_odom_submap_;
   OccupancyGrid grid_;
+  SurfaceMap surfaces_;
   int n_scans_ = 0;
   std::int64_t newest_us_ = 0;
   std::map<TileIndex, std::int64_t> revisions_;

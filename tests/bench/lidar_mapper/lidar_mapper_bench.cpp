@@ -1,49 +1,21 @@
 // Runs the LiDAR mapper's library over a recording, without a bus: trajectory, map picture, and
 // where the time goes.
-#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "libs/datasets/carmen.hpp"
-#include "libs/datasets/hokuyo.hpp"
 #include "libs/submaps/grid_composer.hpp"
 #include "services/lidar_mapper/lidar_mapper.hpp"
+#include "tests/bench/lidar_mapper/bench_recording.hpp"
 
 namespace fusion_slam {
 namespace {
-
-struct Odometry {
-  std::int64_t utime_us;
-  SE2 pose;
-};
-
-struct Recording {
-  RobotModel robot;
-  std::vector<LaserScan> scans;
-  std::vector<Odometry> odometry;
-};
-
-Recording read_recording(const std::string& path, const std::string& format, bool use_odometry) {
-  Recording r;
-  r.robot.has_lidar = true;
-  if (format == "hokuyo") {
-    for (auto& record : read_mines_hokuyo(path).records) r.scans.push_back(std::move(record.scan));
-    r.robot.lidar = {0.06, 4.0, 0.02, 10.0, 0.0};
-    return r;
-  }
-  CarmenLog log = read_carmen(path);
-  r.robot.T_base_lidar.translation().x() = log.front_laser_offset_m().value_or(0.0);
-  for (auto& scan : log.scans) r.scans.push_back(std::move(scan.scan));
-  if (use_odometry)
-    for (const auto& o : log.raw_odometry()) r.odometry.push_back({o.utime_us, o.pose});
-  r.robot.lidar = {0.1, 80.0, 0.03, 5.0, 0.0};
-  return r;
-}
 
 class Picture {
  public:
@@ -87,74 +59,135 @@ class Picture {
   GridComposer composer_;
 };
 
-void write_tum(const std::string& path, const std::vector<LidarPose>& poses,
-               const RobotModel& robot) {
-  std::ofstream file(path);
-  for (const LidarPose& pose : poses) {
-    const SE3 T = to_se3(pose.T_odom_base) * robot.T_base_reference();
-    const Eigen::Quaterniond q(T.linear());
-    char line[256];
-    std::snprintf(line, sizeof line, "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n",
-                  static_cast<double>(pose.utime_us) * 1e-6, T.translation().x(),
-                  T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(), q.w());
-    file << line;
-  }
+void write_pose(std::ofstream& file, std::int64_t utime_us, const SE3& T) {
+  const Eigen::Quaterniond q(T.linear());
+  char line[256];
+  std::snprintf(line, sizeof line, "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n",
+                static_cast<double>(utime_us) * 1e-6, T.translation().x(), T.translation().y(),
+                T.translation().z(), q.x(), q.y(), q.z(), q.w());
+  file << line;
 }
 
-void run(Recording& recording, const std::string& out) {
+// CPU time of this thread: other programs on the machine don't count.
+double cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+}
+
+// Are the nodes' covariances what they claim? For a right one xi^T C^-1 xi is 3 on average, and
+// each axis' error is one sigma.
+struct Consistency {
+  int n = 0;
+  double nees = 0.0;
+  Eigen::Vector3d squared = Eigen::Vector3d::Zero();  // in sigmas
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();      // of errors, m, m, rad
+  Eigen::Vector3d squared_m = Eigen::Vector3d::Zero();
+  std::map<std::int64_t, SE2> truth_of;  // by node
+
+  void add(const LidarNode& node, const SE2& truth) {
+    truth_of[node.id] = truth;
+    const auto before = truth_of.find(node.previous_id);
+    if (before == truth_of.end()) return;
+    const SE2 expected = before->second.inverse() * truth;
+    const SE2 error = expected.inverse() * node.T_previous_base;
+    const Eigen::Vector3d xi(error.x, error.y, error.yaw);
+    nees += xi.dot(node.covariance.inverse() * xi);
+    squared += (xi.array().square() / node.covariance.diagonal().array()).matrix();
+    squared_m += xi.array().square().matrix();
+    sum += xi;
+    ++n;
+  }
+  void print() const {
+    if (n == 0) return;
+    const Eigen::Vector3d s = (squared / n).cwiseSqrt(), e = (squared_m / n).cwiseSqrt();
+    std::printf(
+        "node to node over %d: NEES %.2f (3 is right); error/sigma %.2f %.2f %.2f; rms error "
+        "%.2f mm %.2f mm %.3f deg; bias %.2f mm %.2f mm %.4f deg\n",
+        n, nees / n, s.x(), s.y(), s.z(), 1e3 * e.x(), 1e3 * e.y(), e.z() * 180 / M_PI,
+        1e3 * sum.x() / n, 1e3 * sum.y() / n, sum.z() / n * 180 / M_PI);
+  }
+};
+
+void run(BenchRecording& recording, const std::string& out) {
   LidarMapper mapper(recording.robot);
   Picture picture(recording.robot.map_resolution_m);
-  std::vector<LidarPose> poses;
+  Consistency consistency;
+  std::ofstream tum(out + ".tum");
   std::vector<double> ms;
-  std::size_t n_tiles = 0, tile_bytes = 0, next = 0;
-  for (const LaserScan& scan : recording.scans) {
+  std::size_t n_tiles = 0, tile_bytes = 0, next = 0, n_poses = 0;
+  for (std::size_t i = 0; i < recording.scans.size(); ++i) {
+    const LaserScan& scan = recording.scans[i];
     while (next < recording.odometry.size() && recording.odometry[next].utime_us <= scan.utime_us) {
       mapper.add_odometry(recording.odometry[next].utime_us, recording.odometry[next].pose);
       ++next;
     }
-    const auto before = std::chrono::steady_clock::now();
+    const double before = cpu_ms();
     const MapperOutput output = mapper.add_scan(scan);
-    ms.push_back(
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before)
-            .count());
-    if (output.pose) poses.push_back(*output.pose);
+    ms.push_back(cpu_ms() - before);
+    if (output.pose) {
+      ++n_poses;
+      write_pose(tum, output.pose->utime_us,
+                 to_se3(output.pose->T_odom_base) * recording.robot.T_base_reference());
+    }
+    if (output.node && !recording.truth.empty()) consistency.add(*output.node, recording.truth[i]);
     for (const Tile& tile : output.tiles) tile_bytes += tile.data.size();
     n_tiles += output.tiles.size();
     picture.add(output);
   }
   picture.add(mapper.finish());
-  write_tum(out + ".tum", poses, recording.robot);
   picture.write(out + ".png");
+  if (!recording.truth.empty()) {
+    std::ofstream truth(out + "_truth.tum");
+    for (std::size_t i = 0; i < recording.truth.size(); ++i)
+      write_pose(truth, recording.scans[i].utime_us, to_se3(recording.truth[i]));
+  }
   double total = 0.0;
   for (const double t : ms) total += t;
   std::sort(ms.begin(), ms.end());
   const MapperCounts& c = mapper.counts();
   std::printf(
       "%zu scans, %zu poses, %ld nodes, %ld weak, %ld lost, %ld restarts, %ld doubtful stamps, %ld "
-      "repeated, "
-      "%ld too empty\n%zu tiles, %.1f MB; per scan median %.2f ms, p95 %.2f, p99 %.2f, worst %.2f; "
-      "sum %.2f s\n",
-      ms.size(), poses.size(), c.nodes, c.weak, c.lost, c.restarts, c.doubtful_stamps, c.duplicates,
+      "repeated, %ld too empty\n%zu tiles, %.1f MB; CPU per scan median %.2f ms, p95 %.2f, p99 "
+      "%.2f, "
+      "worst %.2f; sum %.2f s\n",
+      ms.size(), n_poses, c.nodes, c.weak, c.lost, c.restarts, c.doubtful_stamps, c.duplicates,
       c.unusable, n_tiles, static_cast<double>(tile_bytes) * 1e-6, ms[ms.size() / 2],
       ms[ms.size() * 95 / 100], ms[ms.size() * 99 / 100], ms.back(), total * 1e-3);
+  consistency.print();
 }
 
 }  // namespace
 }  // namespace fusion_slam
 
 int main(int argc, char** argv) {
-  CLI::App app{"Runs the LiDAR mapper over a recording; writes OUT.tum and OUT.png"};
-  std::string path, out = "out", format = "carmen";
+  CLI::App app{
+      "Runs the LiDAR mapper over a recording; writes OUT.tum, OUT.png and, where the truth "
+      "is known, OUT_truth.tum"};
+  std::string out = "out";
+  fusion_slam::BenchChoice choice;
+  choice.format = "carmen";
   bool no_odometry = false;
   double resolution_m = 0.05;
-  app.add_option("recording", path, "CARMEN log or Hokuyo text")->required();
+  app.add_option("recording", choice.path,
+                 "CARMEN log, Hokuyo text, or for a drawn world the scanner: sick, sick-half, "
+                 "rplidar, hokuyo, utm")
+      ->required();
   app.add_option("--out", out, "path of the results, without extension");
-  app.add_option("--format", format, "carmen or hokuyo");
+  app.add_option("--format", choice.format, "carmen, hokuyo, building or corridor")
+      ->check(CLI::IsMember({"carmen", "hokuyo", "building", "corridor"}));
+  app.add_option("--seed", choice.seed, "of the drawn world");
   app.add_option("--resolution", resolution_m, "of the map, m");
   app.add_flag("--no-odometry", no_odometry, "scans only");
   CLI11_PARSE(app, argc, argv);
-  auto recording = fusion_slam::read_recording(path, format, !no_odometry);
-  recording.robot.map_resolution_m = resolution_m;
-  fusion_slam::run(recording, out);
+  choice.odometry = !no_odometry;
+  try {
+    auto recording = fusion_slam::load_recording(choice);
+    recording.robot.map_resolution_m = resolution_m;
+    fusion_slam::run(recording, out);
+  } catch (const std::exception& e) {
+    std::cerr << e.what() << "\n";
+    return 1;
+  }
   return 0;
 }

@@ -94,5 +94,39 @@ TEST(CorrelativeMatcher, AmongEqualsTheOneNearThePredictionWins) {
   EXPECT_NEAR(match->T_grid_base.y, 0.0, 0.051);
 }
 
+// 95 of 100 poses drawn from a covariance lie in the window of two sigmas, whatever its axes.
+TEST(SearchWindow, HoldsWhatTheCovarianceAllows) {
+  std::mt19937 rng(6);
+  std::normal_distribution<double> normal;
+  for (const double yaw : {0.0, 0.7, 2.0}) {
+    const Eigen::Vector3d sigma(0.5, 0.05, 0.1);  // long ahead of the robot: a corridor
+    const Eigen::Matrix3d base = sigma.array().square().matrix().asDiagonal();
+    const SearchWindow window =
+        window_from_covariance(grid_axes(base, yaw), 2.0, {0.0, 0.0, 0.0}, {10.0, 10.0, 0.0});
+    EXPECT_NEAR(window.linear_m, 1.0, 1e-9);
+    EXPECT_NEAR(window.angular_rad, 0.2, 1e-9);
+    int inside = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const SE2 truth = SE2{3, 4, yaw} * SE2{sigma.x() * normal(rng), sigma.y() * normal(rng), 0.0};
+      inside +=
+          std::abs(truth.x - 3) <= window.linear_m && std::abs(truth.y - 4) <= window.linear_m;
+    }
+    EXPECT_GT(inside, 1860);
+  }
+}
+
+TEST(SearchWindow, StaysWithinItsLimitsWhateverTheCovariance) {
+  const SearchWindow least{0.1, 0.05, 0.0}, most{4.0, 1.0, 0.0};
+  const auto sized = [&](double variance) {
+    return window_from_covariance(Eigen::Matrix3d::Identity() * variance, 3.0, least, most);
+  };
+  EXPECT_EQ(sized(0.0).linear_m, 0.1);
+  EXPECT_EQ(sized(0.0).angular_rad, 0.05);
+  for (const double nothing : {1e9, -1.0, std::nan("")}) {
+    EXPECT_EQ(sized(nothing).linear_m, 4.0);
+    EXPECT_EQ(sized(nothing).angular_rad, 1.0);
+  }
+}
+
 }  // namespace
 }  // namespace fusion_slam

@@ -1,12 +1,14 @@
 // A room drawn into a raster, and a scan of its walls, for matching tests.
 #pragma once
 
+#include <cmath>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "libs/geometry/pose.hpp"
-#include "libs/scan_matching/raster.hpp"
+#include "libs/scan_matching/surface_normals.hpp"
+#include "libs/scan_matching/surface_refiner.hpp"
 
 namespace fusion_slam {
 
@@ -47,6 +49,34 @@ inline Points room_points(const SE2& T_grid_base, int n, double noise_m, std::ui
     points.push_back(T_base_grid * p);
   }
   return points;
+}
+
+// A sweep in the room, in the order of the beams, with noise along them; the base moves by `twist`
+// during it, and points are in base as it stood at their beam.
+inline SweepPoints room_sweep(const SE2& T_room_base, const Twist& twist, double sweep_s,
+                              double noise_m, std::uint32_t seed, int n = 360) {
+  std::mt19937 rng(seed);
+  std::normal_distribution<double> normal;
+  SweepPoints sweep;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2.0 * M_PI * i / n, time_s = sweep_s * i / n;
+    const SE2 T = T_room_base * twist.motion(time_s);
+    const Eigen::Vector2d o(T.x, T.y), d(std::cos(T.yaw + angle), std::sin(T.yaw + angle));
+    double nearest = 1e9;
+    for (const auto& [a, b] : room_walls()) {
+      const Eigen::Vector2d e = a - b, f = a - o;  // o + s d = a + t (b - a)
+      const double det = d.x() * e.y() - d.y() * e.x();
+      if (std::abs(det) < 1e-12) continue;
+      const double s = (f.x() * e.y() - f.y() * e.x()) / det;
+      const double t = (d.x() * f.y() - d.y() * f.x()) / det;
+      if (t >= 0.0 && t <= 1.0 && s > 0.0) nearest = std::min(nearest, s);
+    }
+    const double r = nearest + noise_m * normal(rng);
+    sweep.points.emplace_back(r * std::cos(angle), r * std::sin(angle));
+    if (sweep_s > 0.0) sweep.time_s.push_back(time_s);
+  }
+  sweep.normals = surface_normals(sweep.points, {0, 0});
+  return sweep;
 }
 
 }  // namespace fusion_slam

@@ -17,7 +17,7 @@ TEST(ScanClock, LearnsThePeriodAndDoubtsWhatNoSensorDoes) {
     EXPECT_FALSE(interval.trusted) << jump;
     EXPECT_GT(interval.dt_s, 0.05) << jump;
   }
-  EXPECT_NEAR(clock.advance(t += 2'200'000).dt_s, 2.2, 1e-9);
+  EXPECT_NEAR(clock.advance(t += 2'200'000).dt_s, 2.2, 0.2);  // whole turns, after such stamps
 }
 
 TEST(ScanClock, ASenselessNominalRateIsReplaced) {

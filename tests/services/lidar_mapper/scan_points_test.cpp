@@ -1,6 +1,7 @@
 #include "services/lidar_mapper/scan_points.hpp"
 
 #include <limits>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -84,11 +85,19 @@ TEST(VoxelFilter, KeepsOnePointASquareAndEnoughOfThem) {
   std::uniform_real_distribution<double> u(-5.0, 5.0);
   Points points;
   for (int i = 0; i < 1000; ++i) points.emplace_back(u(rng), 0.01 * u(rng));
-  EXPECT_LE(voxel_filter(points, 0.5).size(), 40U);
-  const Points thinned = adaptive_voxel_filter(points, 0.5, 100);
+  // Against a set of squares.
+  std::set<std::pair<int, int>> seen;
+  std::vector<std::size_t> expected;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (seen.emplace(static_cast<int>(std::floor(points[i].x() / 0.5)),
+                     static_cast<int>(std::floor(points[i].y() / 0.5)))
+            .second)
+      expected.push_back(i);
+  EXPECT_EQ(voxel_indices(points, 0.5), expected);
+  const Points thinned = pick(points, adaptive_voxel_indices(points, 0.5, 100));
   EXPECT_GE(thinned.size(), 100U);
   EXPECT_LE(thinned.size(), 200U);
-  EXPECT_EQ(adaptive_voxel_filter(thinned, 0.5, 1000).size(), thinned.size());
+  EXPECT_EQ(adaptive_voxel_indices(thinned, 0.5, 1000).size(), thinned.size());
 }
 
 }  // namespace
