@@ -25,8 +25,8 @@ class SampleClock {
   bool started_ = false;
   double offset_us_ = 0.0;  // utime of sample 0
   std::int64_t last_number_ = 0;
-  double lowest_us_ = 0.0;  // offset since window_begin_
-  std::int64_t window_begin_ = 0;
+  double lowest_us_ = 0.0;  // offset since window_begin_us_
+  double window_begin_us_ = 0.0;
 };
 
 }  // namespace fusion_slam

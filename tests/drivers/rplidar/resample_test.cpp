@@ -157,6 +157,16 @@ TEST(SampleClock, CatchesUpAfterAnUnseenLoss) {
   }
 }
 
+TEST(SampleClock, WhatWaitedInABufferKeepsItsTime) {
+  SampleClock clock(500e-6);
+  for (std::int64_t n = 0; n < 20'000; ++n) {
+    const double measured_us = 1e9 + static_cast<double>(n) * 500.0;
+    // Nobody reads for 3 s, from sample 8000 to 14000.
+    clock.bound(n, n < 8'000 || n > 14'000 ? measured_us + 100.0 : 1e9 + 14'000 * 500.0);
+    EXPECT_NEAR(static_cast<double>(clock.utime_us(n)), measured_us + 100.0, 10'000.0) << n;
+  }
+}
+
 TEST(SampleClock, StartsAnewAfterALoss) {
   SampleClock clock(500e-6);
   EXPECT_EQ(clock.utime_us(0), 0);
