@@ -14,6 +14,7 @@ constexpr int kVelocityIntervals =
 constexpr double kVelocitySpanS = 0.12;
 
 constexpr double kWindowSigmas = 3.0;
+constexpr double kContradiction = 0.5;  // of the distance between two predictions: a sigma
 constexpr double kLearningRate = 0.04;  // a few seconds
 constexpr double kSmallestVariance =
     0.25;  // of the configuration's: half its sigma; wheels slip at last
@@ -116,6 +117,18 @@ Prediction MotionPredictor::predict(std::int64_t last_us, std::int64_t now_us,
   p.window_rad = kWindowSigmas * p.sigma_rad * std::max(1.0, scale.y());
   p.sigma_m *= scale.x();
   p.sigma_rad *= scale.y();
+  if (plausible && history_.size() > 2) {
+    // Odometry that stalls for half a second and then jumps says "standing" of a robot that drives.
+    // Where it contradicts the last velocity, the window reaches from one to the other, and the
+    // scan decides.
+    const SE2 going_on = velocity().motion(std::min(dt, 0.5));
+    const double apart_m = std::hypot(measured->x - going_on.x, measured->y - going_on.y);
+    const double apart_rad = std::abs(wrap_angle(measured->yaw - going_on.yaw));
+    p.sigma_m = std::hypot(p.sigma_m, kContradiction * apart_m);
+    p.sigma_rad = std::hypot(p.sigma_rad, kContradiction * apart_rad);
+    p.window_m = std::max(p.window_m, apart_m + resolution_m);
+    p.window_rad = std::max(p.window_rad, 1.2 * apart_rad);
+  }
   p.twist_sigma << config_.speed_change_mps, config_.speed_change_mps, config_.turn_change_radps;
   p.twist_sigma *= scale.y();
   return p;

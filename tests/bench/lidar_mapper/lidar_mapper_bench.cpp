@@ -8,7 +8,9 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Eigenvalues>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "libs/submaps/grid_composer.hpp"
 #include "services/lidar_mapper/lidar_mapper.hpp"
@@ -26,7 +28,10 @@ class Picture {
       for (const auto& m : out.node->submaps)
         if (m.submap_id == out.node->id) composer_.set_pose(m.submap_id, out.node->T_odom_base);
     add(out.tiles);
+    if (out.node && out.node->id % 12 == 0)
+      marks_.push_back({out.node->T_odom_base, out.node->covariance});
   }
+  void draw_ellipses() { ellipses_ = true; }
   void add(const std::vector<Tile>& tiles) {
     for (const Tile& tile : tiles)
       if (const auto cells = decode_grid_tile(tile))
@@ -52,10 +57,39 @@ class Picture {
           image.at<std::uint8_t>(row, (index.first - low.first) * kTileCells + x) =
               static_cast<std::uint8_t>(255 - cell);
         }
-    cv::imwrite(path, image);
+    if (!ellipses_) {
+      cv::imwrite(path, image);
+      return;
+    }
+    cv::Mat colour;
+    cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
+    const double cell_m = composer_.map().resolution_m();
+    for (const Mark& mark : marks_) {
+      const Eigen::Matrix2d R = Eigen::Rotation2Dd(mark.T_odom_base.yaw).toRotationMatrix();
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(
+          R * mark.covariance.topLeftCorner<2, 2>() * R.transpose());
+      const Eigen::Vector2d longest = eigen.eigenvectors().col(1);
+      const cv::Point2d centre(mark.T_odom_base.x / cell_m - low.first * kTileCells,
+                               image.rows - mark.T_odom_base.y / cell_m + low.second * kTileCells);
+      const auto axis = [&](int i) {
+        return std::max(1.0, kMagnified * std::sqrt(eigen.eigenvalues()[i]) / cell_m);
+      };
+      cv::ellipse(colour, centre, cv::Size2d(axis(1), axis(0)),
+                  -std::atan2(longest.y(), longest.x()) * 180.0 / M_PI, 0, 360,
+                  cv::Scalar(40, 40, 220), 1, cv::LINE_AA);
+    }
+    cv::imwrite(path, colour);
   }
 
  private:
+  // One sigma of T_previous_base, so many times as large.
+  static constexpr double kMagnified = 25.0;
+  struct Mark {
+    SE2 T_odom_base;
+    Eigen::Matrix3d covariance;
+  };
+  std::vector<Mark> marks_;
+  bool ellipses_ = false;
   GridComposer composer_;
 };
 
@@ -136,6 +170,7 @@ void run(BenchRecording& recording, const std::string& out) {
     picture.add(output);
   }
   picture.add(mapper.finish());
+  if (!recording.truth.empty()) picture.draw_ellipses();
   picture.write(out + ".png");
   if (!recording.truth.empty()) {
     std::ofstream truth(out + "_truth.tum");

@@ -67,6 +67,39 @@ TEST(MotionPredictor, OdometryThenVisionThenTheLastVelocity) {
   EXPECT_EQ(p.source, PredictionSource::kConstantVelocity);
 }
 
+// As in MIT CSAIL: for three scans the wheels seem to stand, then they jump.
+TEST(MotionPredictor, OdometryThatContradictsTheLastVelocityIsGivenRoom) {
+  const LidarMapperConfig config;
+  MotionPredictor predictor(config);
+  for (int i = 0; i <= 5; ++i) {
+    predictor.add_odometry(i * kSecond / 5, {0.2 * i, 0.0, 0.0});
+    predictor.add_scan_pose(0.2, {0.2 * i, 0.0, 0.0});
+  }
+  predictor.add_odometry(6 * kSecond / 5, {1.2, 0.0, 0.0});
+  predictor.add_odometry(7 * kSecond / 5, {1.2, 0.0, 0.0});
+  const ScanClock::Interval fifth{0.2, true};
+  const auto well = predictor.predict(kSecond, 6 * kSecond / 5, fifth, 0.05);
+  const auto stalled = predictor.predict(6 * kSecond / 5, 7 * kSecond / 5, fifth, 0.05);
+  EXPECT_EQ(stalled.source, PredictionSource::kOdometry);
+  EXPECT_GT(stalled.window_m, 0.2);  // the last velocity lies inside
+  EXPECT_GT(stalled.sigma_m, 2.0 * well.sigma_m);
+  EXPECT_LT(well.sigma_m, 0.05);
+}
+
+// A source is believed as it deserves: not beyond what its starting values allow.
+TEST(MotionPredictor, TrustFollowsTheMatches) {
+  const LidarMapperConfig config;
+  MotionPredictor predictor(config);
+  const auto odometry = PredictionSource::kOdometry;
+  const Eigen::Vector3d expected(1e-4, 1e-4, 1e-4);
+  for (int i = 0; i < 200; ++i) predictor.learn(odometry, {0.03, 0.0, 0.001}, expected);
+  EXPECT_NEAR(predictor.trust(odometry).x(), 3.0, 0.01);
+  EXPECT_NEAR(predictor.trust(odometry).y(), 0.5, 0.01);
+  EXPECT_NEAR(predictor.trust(PredictionSource::kVisual).x(), 1.0, 1e-12);
+  for (int i = 0; i < 200; ++i) predictor.learn(odometry, {9, 9, 9}, Eigen::Vector3d::Zero());
+  EXPECT_NEAR(predictor.trust(odometry).x(), 3.0, 0.01);  // the match saw nothing
+}
+
 TEST(MotionPredictor, TinyIntervalsDoNotMakeHugeVelocities) {
   const LidarMapperConfig config;
   MotionPredictor predictor(config);
