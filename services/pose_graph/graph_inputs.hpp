@@ -14,16 +14,6 @@ namespace fusion_slam {
 
 enum class PoseState : std::int8_t { kUnknown = 0, kOk = 1, kWeak = 2, kLost = 3 };
 
-// A feature of a keyframe, for global bundle adjustment.
-struct View {
-  std::int64_t landmark_id = 0;  // 0: none
-  float u_px = 0.0F;             // ideal pixel
-  float v_px = 0.0F;
-  float depth_m = 0.0F;  // 0: unknown
-  float depth_sigma_m = 0.0F;
-  std::int8_t octave = 0;
-};
-
 struct NodeInput {  // KEYFRAME or LIDAR_NODE
   NodeId id;
   std::int64_t utime_us = 0;
@@ -37,7 +27,6 @@ struct NodeInput {  // KEYFRAME or LIDAR_NODE
     SE3 T_previous_base = SE3::Identity();
   };
   std::vector<Refined> refined;
-  std::vector<View> views;  // of a keyframe
 };
 
 struct PoseInput {  // VISUAL_POSE (sensor kKeyframe) or LIDAR_POSE (kLidar)

@@ -36,11 +36,6 @@ std::optional<NodeInput> node_from(const keyframe_t& message) {
   for (std::int32_t i = 0; i < message.n_refined; ++i)
     if (const auto T = from_message(message.T_previous_refined[static_cast<std::size_t>(i)]))
       node->refined.push_back({message.refined_id[static_cast<std::size_t>(i)], *T});
-  for (std::int32_t i = 0; i < message.n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    node->views.push_back({message.landmark_id[k], message.u_px[k], message.v_px[k],
-                           message.depth_m[k], message.depth_sigma_m[k], message.octave[k]});
-  }
   return node;
 }
 

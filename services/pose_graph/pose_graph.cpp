@@ -79,6 +79,7 @@ void PoseGraph::settle() {
 bool PoseGraph::place_nodes() {
   for (auto it = waiting_nodes_.begin(); it != waiting_nodes_.end(); ++it) {
     if (!place(it->second)) continue;
+    refine_edges(it->second);
     waiting_nodes_.erase(it);
     return true;
   }
@@ -108,6 +109,16 @@ bool PoseGraph::place(const NodeInput& node) {
   if (found->counts_as_restart) ++counts_.restarts;
   put(node, nodes_.at(found->edge.from).T_map_base * found->edge.T_from_to);
   return true;
+}
+
+// What local bundle adjustment knows better now takes the place of what was said first; the next
+// solve moves the nodes.
+void PoseGraph::refine_edges(const NodeInput& node) {
+  for (const NodeInput::Refined& refined : node.refined)
+    for (GraphEdge& edge : edges_)
+      if (edge.kind == EdgeKind::kVisual && edge.to == NodeId{node.id.kind, refined.id} &&
+          edge.from.kind == node.id.kind)
+        edge.T_from_to = refined.T_previous_base;
 }
 
 void PoseGraph::put(const NodeInput& node, const SE3& T_map_base) {

@@ -78,6 +78,7 @@ class PoseGraph {
   bool place_nodes();
   bool place(const NodeInput& node);
   void put(const NodeInput& node, const SE3& T_map_base);
+  void refine_edges(const NodeInput& node);
   std::optional<Hang> hang(const NodeInput& node) const;
   std::optional<Hang> hang_on_other_sensor(const NodeInput& node) const;
   Hang hang_on_last_known(const NodeInput& node) const;

@@ -18,6 +18,7 @@
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 #include "libs/session/final_trajectory.hpp"
+#include "logplayer/loops/loop_report.hpp"
 #include "services/lidar_mapper/lidar_mapper.hpp"
 #include "services/loop_detector/loop_detector.hpp"
 #include "services/loop_detector/loop_messages.hpp"
@@ -70,7 +71,8 @@ Matrix6d full(const Eigen::Matrix3d& planar) {
 
 class BackEnd {
  public:
-  explicit BackEnd(const std::string& out) : loops_(out + "/loops.txt") {}
+  explicit BackEnd(const std::string& out)
+      : loops_(out + "/loops.txt"), truth_(out + "/groundtruth.tum") {}
 
   void on(const LogEvent& event) {
     if (event.channel == "ROBOT_MODEL") {
@@ -102,6 +104,12 @@ class BackEnd {
         waiting_ = *scan;
         if (!odometry_comes_) hand_on_scan();
       }
+    } else if (event.channel == "GROUND_TRUTH") {
+      const auto m = decoded<bot_core::pose_t>(event);
+      if (const auto T = from_message(m)) {
+        report_.on_truth(m.utime, SE3(*T * robot_.T_base_reference().inverse()));
+        truth_ << tum_line(m.utime, *T);
+      }
     } else if (event.channel == "KEYFRAME") {
       on_keyframe(decoded<keyframe_t>(event));
     } else if (event.channel == "VISUAL_POSE") {
@@ -118,12 +126,7 @@ class BackEnd {
     for (const auto& [id, node] : graph_.nodes()) session_.T_map_nodes[id] = node.T_map_base;
     for (const FinalPose& pose : final_trajectory(session_)) {
       const SE3 T = pose.T_map_base * robot_.T_base_reference();
-      const Eigen::Quaterniond q(T.linear());
-      char line[256];
-      std::snprintf(line, sizeof line, "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n",
-                    static_cast<double>(pose.utime_us) * 1e-6, T.translation().x(),
-                    T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(), q.w());
-      file << line;
+      file << tum_line(pose.utime_us, T);
     }
     const LoopCounts& c = detector_->counts();
     const PoseGraphCounts& g = graph_.counts();
@@ -133,12 +136,26 @@ class BackEnd {
         c.keyframes, c.scans, c.lidar_searches, c.candidates, c.accepted, graph_.nodes().size(),
         graph_.edges().size(), g.loops, g.loops_outvoted, g.solves);
     watch_.report();
+    LoopReportOptions all;
+    all.all = true;
+    const std::string text = report_.text(all);
+    loops_ << text;
+    const std::size_t totals = text.find(" candidates, ");
+    std::printf("%s", text.substr(text.rfind('\n', totals) + 1).c_str());
   }
 
   bool use_odometry = true;
   bool use_loops = true;
 
  private:
+  static std::string tum_line(std::int64_t utime_us, const SE3& T) {
+    const Eigen::Quaterniond q(T.linear());
+    char line[256];
+    std::snprintf(line, sizeof line, "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n",
+                  static_cast<double>(utime_us) * 1e-6, T.translation().x(), T.translation().y(),
+                  T.translation().z(), q.x(), q.y(), q.z(), q.w());
+    return line;
+  }
   template <class Message>
   static Message decoded(const LogEvent& event) {
     Message message;
@@ -173,6 +190,7 @@ class BackEnd {
         loop_scan.submaps.push_back({in.submap_id, to_se3(in.T_submap_base)});
       }
       loop_scan.points_base = node.points_base;
+      report_.on_node(input.id, input.utime_us);
       watch_.time("graph node", [&] { graph_.add_node(input); });
       pass_on();
       take(watch_.time("detector scan", [&] { return detector_->add(std::move(loop_scan)); }));
@@ -202,6 +220,7 @@ class BackEnd {
     auto keyframe = from_message(message, &why);
     const auto node = node_from(message);
     if (!keyframe || !node) return;
+    report_.on_node(node->id, node->utime_us);
     watch_.time("graph node", [&] { graph_.add_node(*node); });
     pass_on();
     take(watch_.time("detector keyframe", [&] { return detector_->add(std::move(*keyframe)); }));
@@ -225,19 +244,10 @@ class BackEnd {
 
   void take(const std::vector<LoopCandidate>& decided) {
     for (const LoopCandidate& c : decided) {
-      char line[200];
-      std::snprintf(line, sizeof line, "%s %s%ld -> %s%ld t %.3f",
-                    c.accepted ? "ACCEPTED" : "rejected",
-                    c.from.kind == NodeKind::kLidar ? "scan " : "keyframe ", c.from.id,
-                    c.to.kind == NodeKind::kLidar ? "scan " : "keyframe ", c.to.id,
-                    1e-6 * static_cast<double>(c.utime_us));
-      loops_ << line;
-      for (const StageVerdict& v : c.stages) {
-        std::snprintf(line, sizeof line, " | %s %.3f/%.3f %s ", v.stage.c_str(), v.score,
-                      v.threshold, v.passed ? "passed" : "-");
-        loops_ << line << v.reason;
-      }
-      loops_ << "\n";
+      report_.on_candidate(to_message(c));
+      if (c.accepted)
+        for (const LoopMeasurement& m : c.measurements)
+          report_.on_constraint(to_message(m, c.utime_us));
       if (!c.accepted || !use_loops) continue;
       for (const LoopMeasurement& m : c.measurements)
         watch_.time("graph loop", [&] {
@@ -256,6 +266,8 @@ class BackEnd {
   PoseGraph graph_;
   TrackedSession session_;
   std::ofstream loops_;
+  std::ofstream truth_;
+  LoopReport report_;
   Stopwatch watch_;
 };
 
