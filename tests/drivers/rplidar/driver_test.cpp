@@ -8,6 +8,7 @@
 
 #include "drivers/rplidar/port_finder.hpp"
 #include "tests/drivers/rplidar/rig.hpp"
+#include "tests/support/virtual_rplidar/timetable.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -173,6 +174,17 @@ TEST(Driver, RestartsWhenAsked) {
   rig.driver().restart();
   EXPECT_TRUE(rig.wait_for_text("restart asked for", before));
   EXPECT_TRUE(rig.wait_for_text("again after", before));
+}
+
+TEST(VirtualRplidar, ATimetableIsInOrder) {
+  const auto changes = timetable({"unplug@5+1.5", "stall@1+2"});
+  ASSERT_EQ(changes.size(), 4U);
+  EXPECT_EQ(changes[0].fault, VirtualFault::kStall);
+  EXPECT_DOUBLE_EQ(changes[1].at_s, 3.0);
+  EXPECT_EQ(changes[2].fault, VirtualFault::kUnplug);
+  EXPECT_EQ(changes[3].fault, VirtualFault::kNone);
+  EXPECT_THROW(timetable({"stall"}), std::invalid_argument);
+  EXPECT_THROW(timetable({"flood@1+2"}), std::invalid_argument);
 }
 
 TEST(SerialPort, AFileIsNoPort) {

@@ -1,7 +1,6 @@
-#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <iostream>
 #include <string>
 #include <thread>
@@ -9,33 +8,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tests/support/virtual_rplidar/timetable.hpp"
 #include "tests/support/virtual_rplidar/virtual_rplidar.hpp"
 
 namespace {
 
 std::atomic<bool> stop{false};
-
-struct Change {
-  double at_s = 0.0;
-  fusion_slam::VirtualFault fault = fusion_slam::VirtualFault::kNone;
-};
-
-// "stall@5+2": from second 5, for 2 seconds.
-std::vector<Change> timetable(const std::vector<std::string>& texts) {
-  std::vector<Change> changes;
-  for (const std::string& text : texts) {
-    char name[32] = {};
-    double at_s = 0.0;
-    double for_s = 0.0;
-    if (std::sscanf(text.c_str(), "%31[a-z-]@%lf+%lf", name, &at_s, &for_s) != 3)
-      throw std::invalid_argument("--fault " + text + " is not NAME@START+SECONDS");
-    changes.push_back({at_s, fusion_slam::virtual_fault(name)});
-    changes.push_back({at_s + for_s, fusion_slam::VirtualFault::kNone});
-  }
-  std::stable_sort(changes.begin(), changes.end(),
-                   [](const Change& a, const Change& b) { return a.at_s < b.at_s; });
-  return changes;
-}
 
 }  // namespace
 
@@ -63,7 +41,7 @@ int main(int argc, char** argv) {
   try {
     options.world =
         log.empty() ? fusion_slam::virtual_room(18, 360) : fusion_slam::read_virtual_world(log);
-    const auto changes = timetable(faults);
+    const auto changes = fusion_slam::timetable(faults);
     fusion_slam::VirtualRplidar device(options);
     std::cout << options.link.string() << ": " << options.model << ", "
               << options.world.turns.size() << " turns" << std::endl;
