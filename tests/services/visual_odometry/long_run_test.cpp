@@ -1,0 +1,110 @@
+// What must hold over time: flat memory while standing, the same result at any speed of the mapping
+// thread, segments that find each other again.
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "services/visual_odometry/visual_odometry.hpp"
+#include "tests/services/visual_odometry/rendered_wall.hpp"
+
+namespace fusion_slam {
+namespace {
+
+constexpr std::int64_t kFrame_us = 33'333;
+
+CameraModel small_camera() {
+  CameraModel camera;
+  camera.width_px = 200;
+  camera.height_px = 150;
+  camera.fx_px = camera.fy_px = 165.0;
+  camera.cx_px = 99.5;
+  camera.cy_px = 74.5;
+  return camera;
+}
+
+VisualOdometryConfig small_config() {
+  VisualOdometryConfig config;
+  config.orb.n_features = 150;
+  config.orb.n_levels = 4;
+  return config;
+}
+
+TEST(LongRun, StandingAddsNothing) {
+  const CameraModel camera = small_camera();
+  const RenderedWall wall;
+  VisualOdometry odometry(camera, robot_with(SE3::Identity()), small_config());
+  std::int64_t n = 0;
+  const auto show = [&](RgbdFrame frame) {
+    frame.utime_us = ++n * kFrame_us;
+    return odometry.track(frame);
+  };
+  for (int step = 0; step < 12; ++step) show(wall.see(camera, walk(step), 0));
+  const RgbdFrame view = wall.see(camera, walk(12), 0);
+  for (int i = 0; i < 10; ++i) show(view);
+  const std::size_t n_keyframes = odometry.map().keyframes().size();
+  const std::size_t n_landmarks = odometry.map().landmarks().size();
+  for (int i = 0; i < 1000; ++i) {
+    const TrackingResult result = show(view);
+    ASSERT_EQ(result.state, TrackingState::kOk);
+    ASSERT_FALSE(result.keyframe);
+  }
+  EXPECT_EQ(odometry.map().keyframes().size(), n_keyframes);
+  EXPECT_EQ(odometry.map().landmarks().size(), n_landmarks);
+}
+
+TEST(LongRun, TheSameAtAnySpeedOfTheMappingThread) {
+  const CameraModel camera = small_camera();
+  const RenderedWall wall;
+  std::vector<SE3> poses[2];
+  std::vector<std::int64_t> landmarks[2];
+  int mappings = 0;
+  for (const int run : {0, 1}) {
+    VisualOdometry odometry(camera, robot_with(SE3::Identity()), small_config());
+    for (int step = 0; step < 40; ++step) {
+      const TrackingResult result =
+          odometry.track(wall.see(camera, walk(step), (step + 1) * kFrame_us));
+      poses[run].push_back(result.T_odom_base);
+      if (!result.keyframe) continue;
+      const auto& of = result.keyframe->landmark_of_feature;
+      landmarks[run].insert(landmarks[run].end(), of.begin(), of.end());
+      if (run == 1) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    mappings = odometry.counts().mappings;
+  }
+  EXPECT_GE(mappings, 3);
+  EXPECT_EQ(landmarks[0], landmarks[1]);
+  for (std::size_t i = 0; i < poses[0].size(); ++i)
+    EXPECT_EQ(poses[0][i].matrix(), poses[1][i].matrix()) << i;
+}
+
+TEST(LongRun, SegmentsJoinWhenAKnownPlaceComesIntoSight) {
+  CameraModel camera = small_camera();
+  camera.width_px *= 2;
+  camera.height_px *= 2;
+  camera.fx_px = camera.fy_px *= 2;
+  camera.cx_px *= 2;
+  camera.cy_px *= 2;
+  const RenderedWall known(1);
+  const RenderedWall unknown(99);
+  VisualOdometry odometry(camera, robot_with(SE3::Identity()));
+  std::int64_t n = 0;
+  const auto show = [&](const RenderedWall& wall, int step) {
+    return odometry.track(wall.see(camera, walk(step), ++n * kFrame_us));
+  };
+  for (int step = 0; step < 30; ++step) show(known, step);
+  TrackingResult result;
+  for (int i = 0; i < 20 && !result.keyframe; ++i) result = show(unknown, 30);
+  ASSERT_TRUE(result.keyframe);
+  EXPECT_EQ(result.keyframe->previous_id, 0);  // a new segment
+  result = show(known, 20);                    // lost again, but this place is known
+  EXPECT_EQ(result.state, TrackingState::kOk) << result.reason;
+  ASSERT_TRUE(result.keyframe);
+  EXPECT_GT(result.keyframe->previous_id, 0);
+  EXPECT_EQ(odometry.map().keyframe(result.keyframe->previous_id)->segment, 1);
+  EXPECT_EQ(odometry.counts().relocalisations, 1);
+  EXPECT_LT(local(walk(0).inverse() * walk(20), result.T_odom_base).norm(), 0.03);
+}
+
+}  // namespace
+}  // namespace fusion_slam
