@@ -159,7 +159,8 @@ void CameraRenderer::packet(View* view, int left, int top, RenderedFrame* frame)
     auto* out_surface = frame->surface[top + row] + left;
     auto* out_cosine = frame->cosine[top + row] + left;
     for (int column = 0; column < columns; ++column) {
-      const auto k = static_cast<std::size_t>(row * kAcross + column);
+      const int k_int = row * kAcross + column;
+      const auto k = static_cast<std::size_t>(k_int);
       const std::int32_t geometry = rays.geometry[k];
       out_bgr[column] = cv::Vec3f(bgr[k][0], bgr[k][1], bgr[k][2]);
       out_depth[column] = geometry < 0 ? 0.0F : rays.t[k];

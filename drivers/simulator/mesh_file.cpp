@@ -97,6 +97,7 @@ std::shared_ptr<const MipMap> MeshFiles::picture(const std::filesystem::path& mo
   const double shrink = static_cast<double>(kMostTexels) / std::max(image.cols, image.rows);
   if (shrink < 1.0) cv::resize(image, image, {}, shrink, shrink, cv::INTER_AREA);
   std::vector<Texel> texels;
+  texels.reserve(image.total());
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x) {
       const cv::Vec3b& c = image.at<cv::Vec3b>(y, x);

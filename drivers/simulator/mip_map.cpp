@@ -123,9 +123,9 @@ inline std::array<float, 4> MipMap::bilinear(const Level& level, float x, float 
     x = std::min(std::max(x, 0.0F), w - 1.0F);
     y = std::min(std::max(y, 0.0F), h - 1.0F);
   }
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int a = static_cast<int>((x - static_cast<float>(x0)) * kOne + 0.5F);
-  const int b = static_cast<int>((y - static_cast<float>(y0)) * kOne + 0.5F);
+  const int fixed_x = static_cast<int>(x * kOne), fixed_y = static_cast<int>(y * kOne);
+  const int x0 = fixed_x / kOne, y0 = fixed_y / kOne;
+  const int a = fixed_x % kOne, b = fixed_y % kOne;
   const auto stride = static_cast<std::size_t>(level.width) + 1;
   const Texel* top = texels_.data() + level.begin + static_cast<std::size_t>(y0) * stride +
                      static_cast<std::size_t>(x0);
@@ -142,19 +142,21 @@ void MipMap::bilinear(const Level& level, const std::array<float, 8>& x,
     for (std::size_t i = 0; i < 8; ++i) {
       const float px = repeated(x[i] * level.scale_x - 0.5F, w, 1.0F / w);
       const float py = repeated(y[i] * level.scale_y - 0.5F, h, 1.0F / h);
-      const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
-      a[i] = static_cast<int>((px - static_cast<float>(x0)) * kOne + 0.5F);
-      b[i] = static_cast<int>((py - static_cast<float>(y0)) * kOne + 0.5F);
-      place[i] = y0 * stride + x0;
+      const auto fixed_x = static_cast<unsigned>(static_cast<int>(px * kOne));
+      const auto fixed_y = static_cast<unsigned>(static_cast<int>(py * kOne));
+      a[i] = static_cast<int>(fixed_x % kOne);
+      b[i] = static_cast<int>(fixed_y % kOne);
+      place[i] = static_cast<int>(fixed_y / kOne) * stride + static_cast<int>(fixed_x / kOne);
     }
   } else {
     for (std::size_t i = 0; i < 8; ++i) {
       const float px = std::min(std::max(x[i] * level.scale_x - 0.5F, 0.0F), w - 1.0F);
       const float py = std::min(std::max(y[i] * level.scale_y - 0.5F, 0.0F), h - 1.0F);
-      const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
-      a[i] = static_cast<int>((px - static_cast<float>(x0)) * kOne + 0.5F);
-      b[i] = static_cast<int>((py - static_cast<float>(y0)) * kOne + 0.5F);
-      place[i] = y0 * stride + x0;
+      const auto fixed_x = static_cast<unsigned>(static_cast<int>(px * kOne));
+      const auto fixed_y = static_cast<unsigned>(static_cast<int>(py * kOne));
+      a[i] = static_cast<int>(fixed_x % kOne);
+      b[i] = static_cast<int>(fixed_y % kOne);
+      place[i] = static_cast<int>(fixed_y / kOne) * stride + static_cast<int>(fixed_x / kOne);
     }
   }
   // All texels are asked for before the first is used: they come from far memory.

@@ -66,7 +66,8 @@ Surface::Surface(const Scene& scene, const Lighting& lighting, int box_index, in
     for (int x = 0; x < width; ++x) {
       const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(width) * n_s;
       const int i = std::min(static_cast<int>(u), n_s - 1);
-      const float* row = &light[static_cast<std::size_t>(j * (n_s + 1) + i)];
+      const float* row = &light[static_cast<std::size_t>(j) * static_cast<std::size_t>(n_s + 1) +
+                                static_cast<std::size_t>(i)];
       const float* next = row + n_s + 1;
       const float a = u - i, b = v - j;
       const float lit =
