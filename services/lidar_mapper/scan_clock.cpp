@@ -48,7 +48,9 @@ void ScanClock::find_period() {
       0.2 * middle * middle / std::max(stamps_s_.back() - stamps_s_.front(), middle);
   double best = 0.0;
   turning_s_ = 0.0;
-  for (double period = 0.75 * middle; period <= 1.25 * middle; period += step) {
+  const int steps = static_cast<int>(0.5 * middle / step);
+  for (int i = 0; i <= steps; ++i) {
+    const double period = 0.75 * middle + i * step;
     const double c = coherence(stamps_s_, period);
     if (c > best) best = c, turning_s_ = period;
   }
