@@ -10,11 +10,13 @@
 
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <sys/resource.h>
 
 #include "libs/evaluation/trajectory_error.hpp"
 #include "libs/evaluation/tum_file.hpp"
 #include "services/visual_odometry/visual_odometry.hpp"
+#include "tests/bench/visual_odometry/keyframe_picture.hpp"
 #include "tests/bench/visual_odometry/recording_source.hpp"
 
 namespace fusion_slam {
@@ -45,7 +47,20 @@ struct Run {
   int keyframes = 0;
   std::int64_t first_us = 0;
   std::int64_t last_us = 0;
+  std::string picture;  // file; empty: none
+  std::int64_t picture_of = 0;
+  Keyframe last_keyframe;
+  std::int64_t newest_landmark = 0;  // before this keyframe
 };
+
+void remember(const RgbdFrame& frame, const Keyframe& keyframe, Run* run) {
+  if (!run->picture.empty() && keyframe.id == run->picture_of)
+    cv::imwrite(run->picture, draw_keyframe(frame.colour_bgr, keyframe, run->last_keyframe,
+                                            run->newest_landmark));
+  run->last_keyframe = keyframe;
+  for (const std::int64_t id : keyframe.landmark_of_feature)
+    run->newest_landmark = std::max(run->newest_landmark, id);
+}
 
 double quantile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0.0;
@@ -81,6 +96,7 @@ void track(const RgbdFrame& frame, bool verbose, Run* run) {
   if (!result.keyframe) return;
   ++run->keyframes;
   const Keyframe& k = *result.keyframe;
+  remember(frame, k, run);
   run->edges[k.id] = {k.previous_id, k.T_previous_base, k.T_odom_base};
   for (const RefinedEdge& edge : k.refined)
     run->edges[edge.id].T_previous_base = edge.T_previous_base;
@@ -179,6 +195,7 @@ int bench(int argc, char** argv) {
   bool verbose = false;
   bool paced = false;
   VisualOdometryConfig config;
+  Run run;
   app.add_option("recording", path)->required();
   app.add_option("--out", out, "trajectory in the end, TUM format");
   app.add_option("--live", live_out, "poses as they were said, TUM format");
@@ -186,11 +203,12 @@ int bench(int argc, char** argv) {
   app.add_option("--lidar-poses", lidar_poses, "a log with LIDAR_POSE of the same drive");
   app.add_option("--name", name, "of the table's row");
   app.add_flag("--verbose", verbose, "a line for each keyframe and each frame that is not OK");
+  app.add_option("--picture", run.picture, "a keyframe with its features and matches");
+  app.add_option("--picture-of", run.picture_of, "which keyframe");
   app.add_flag("--paced", paced, "at the camera's own rate");
   app.add_flag("!--no-lidar-depth", config.use_lidar_depth);
   app.add_flag("!--no-lidar-motion", config.use_lidar_motion);
   app.add_option("--features", config.orb.n_features);
-  app.add_option("--subpixel", config.orb.subpixel);
   app.add_option("--pixel-sigma", config.pixel_sigma);
   app.add_option("--bundle", config.bundle_keyframes);
   app.add_option("--bundle-fixed", config.bundle_fixed_keyframes);
@@ -210,7 +228,6 @@ int bench(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
 
-  Run run;
   BenchListener listener;
   listener.models = [&](const CameraModel& camera, const RobotModel& robot) {
     run.camera = camera;
