@@ -40,9 +40,9 @@ TEST(NearestInTime, EqualsLookingAtAll) {
   }
 }
 
-std::vector<std::pair<std::size_t, std::size_t>> pairs(const std::vector<Match>& matches) {
+std::vector<std::pair<std::size_t, std::size_t>> pairs(const std::vector<TimeMatch>& matches) {
   std::vector<std::pair<std::size_t, std::size_t>> result;
-  for (const Match& m : matches) result.emplace_back(m.reference, m.estimate);
+  for (const TimeMatch& m : matches) result.emplace_back(m.reference, m.estimate);
   return result;
 }
 
