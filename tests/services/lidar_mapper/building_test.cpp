@@ -141,9 +141,9 @@ TEST(Building, AnyScannerWillDo) {
   const FlatWorld office = office_building(2, 40.0);
   const Way way = round_of(40.0);
   for (const Scanner& scanner : scanners()) {
-    const double rate_hz = std::min(scanner.model.rate_hz, 10.0);
+    const double rate_hz = std::min(scanner.model.rate_hz, 6.0);
     const double allowed_m = scanner.model.range_max_m < 5.0 ? 0.5 : 0.1;
-    const Result r = drive({office, way, scanner, 0.0, 24.0, rate_hz, false, 5}, kAsItIs);
+    const Result r = drive({office, way, scanner, 0.0, 16.0, rate_hz, false, 5}, kAsItIs);
     EXPECT_EQ(r.counts.lost, 0) << scanner.name;
     EXPECT_LT(r.worst_m, allowed_m) << scanner.name;
     EXPECT_LT(r.worst_rad, 0.02) << scanner.name;
