@@ -20,7 +20,9 @@ struct AppearanceConfig {
       48;  // bits: a vote; stricter than matching, for each feature meets the whole map
   int index_tables = 8;
   int index_key_bits = 16;
-  int asked_features = 300;  // of a keyframe, evenly: more cost time and find the same places
+  // Of a keyframe, evenly over its octaves: more cost time and find the same places.
+  int asked_features = 150;
+  int indexed_features = 500;
 };
 
 struct GeometryConfig {

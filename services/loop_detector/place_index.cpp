@@ -14,7 +14,7 @@ PlaceIndex::PlaceIndex(const AppearanceConfig& config)
     : config_(config), index_(config.index_tables, config.index_key_bits, kIndexSeed) {}
 
 void PlaceIndex::add(std::int64_t id, std::int64_t utime_us, const FeatureSet& features) {
-  waiting_.push_back({id, utime_us, features.descriptors});
+  waiting_.push_back({id, utime_us, sample(features, config_.indexed_features)});
   while (waiting_.size() > static_cast<std::size_t>(config_.not_before_keyframes) &&
          utime_us - waiting_.front().utime_us >= config_.not_before_us) {
     const int label = static_cast<int>(ids_.size());
@@ -27,8 +27,8 @@ void PlaceIndex::add(std::int64_t id, std::int64_t utime_us, const FeatureSet& f
 }
 
 // Evenly over the set: features come octave by octave, and each octave should be asked.
-std::vector<Descriptor> PlaceIndex::sample(const FeatureSet& features) const {
-  const std::size_t most = static_cast<std::size_t>(config_.asked_features);
+std::vector<Descriptor> PlaceIndex::sample(const FeatureSet& features, int at_most) {
+  const std::size_t most = static_cast<std::size_t>(at_most);
   if (features.size() <= most) return features.descriptors;
   std::vector<Descriptor> asked;
   for (std::size_t i = 0; i < most; ++i)
@@ -37,7 +37,7 @@ std::vector<Descriptor> PlaceIndex::sample(const FeatureSet& features) const {
 }
 
 std::vector<PlaceIndex::Place> PlaceIndex::like(const FeatureSet& features) const {
-  const std::vector<Descriptor> asked = sample(features);
+  const std::vector<Descriptor> asked = sample(features, config_.asked_features);
   std::vector<int> touched;
   for (const Descriptor& d : asked) {
     int last = -1;  // neighbours come in the order they were added: those of a place together

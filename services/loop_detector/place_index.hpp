@@ -35,7 +35,7 @@ class PlaceIndex {
     std::int64_t utime_us = 0;
     std::vector<Descriptor> descriptors;
   };
-  std::vector<Descriptor> sample(const FeatureSet& features) const;
+  static std::vector<Descriptor> sample(const FeatureSet& features, int at_most);
 
   AppearanceConfig config_;
   LshIndex index_;

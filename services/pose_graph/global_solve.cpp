@@ -40,6 +40,7 @@ void PoseGraph::meet_global_solve(bool now) {
 // Nodes that came since then move along with the newest one of their kind that was there.
 void PoseGraph::adopt(const GlobalSolve& answer) {
   ++counts_.solves;
+  map_covariance_.clear();
   if (!answer.report.usable) return;
   std::map<NodeId, SE3> correction;  // T_new_old of the map at a node
   for (const auto& [id, node] : answer.nodes)

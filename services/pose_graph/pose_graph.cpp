@@ -195,6 +195,7 @@ void PoseGraph::solve(const std::set<NodeId>& moving) {
   for (const auto& [id, node] : nodes_)
     if (moving.empty() || moving.count(id) > 0) changed_.insert(id);
   if (!moving.empty()) return;
+  map_covariance_.clear();
   unsolved_loops_ = 0;
   counts_.loops_outvoted = report.loops_outvoted;
   for (const auto& [edge, error] : report.loop_errors)

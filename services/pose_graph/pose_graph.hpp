@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -91,6 +92,7 @@ class PoseGraph {
   void meet_global_solve(bool now);
   void adopt(const GlobalSolve& answer);
   void judge_loops();
+  const Matrix6d& map_covariance(const NodeId& id) const;
   void say_poses();
   PoseOutput said(const PoseInput& pose) const;
   std::optional<PoseOutput> bridged(const PoseInput& pose) const;
@@ -122,6 +124,7 @@ class PoseGraph {
   std::set<NodeId> changed_;
   std::vector<PoseOutput> poses_;
   std::optional<PoseOutput> last_pose_;
+  mutable std::map<NodeId, Matrix6d> map_covariance_;  // of nodes asked for since the last solve
   std::vector<LoopState> switched_off_;
   int unsolved_loops_ = 0;              // taken since the last solve of the whole graph
   std::map<std::size_t, int> doubted_;  // edge: whole solves in a row that it did not fit

@@ -33,7 +33,8 @@ PoseOutput PoseGraph::said(const PoseInput& pose) const {
   output.reference = *pose.reference;
   output.T_reference_base = pose.T_reference_base;
   output.T_map_base = nodes_.at(output.reference).T_map_base * pose.T_reference_base;
-  output.covariance = pose.covariance;
+  output.covariance =
+      chained_covariance(map_covariance(output.reference), pose.T_reference_base, pose.covariance);
   output.state = pose.state;
   output.reason = pose.reason;
   output.fix_utime_us = pose.fix_utime_us;
@@ -80,6 +81,8 @@ std::optional<PoseOutput> PoseGraph::bridged(const PoseInput& pose) const {
     return std::nullopt;
   }
   output.T_map_base = nodes_.at(output.reference).T_map_base * output.T_reference_base;
+  output.covariance = chained_covariance(map_covariance(output.reference), output.T_reference_base,
+                                         output.covariance);
   return output;
 }
 
