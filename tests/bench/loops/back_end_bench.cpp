@@ -1,6 +1,6 @@
 // The back end without a bus: LiDAR mapper, loop detector and pose graph on a log (imported, or a
 // session.lcmlog, whose KEYFRAME and VISUAL_POSE are used). Writes OUT/trajectory.tum and
-// OUT/loops.txt (each decided candidate), and says where the time goes.
+// OUT/loops.txt (each decided candidate) and OUT/graph.svg, and says where the time goes.
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -128,6 +128,7 @@ class BackEnd {
       const SE3 T = pose.T_map_base * robot_.T_base_reference();
       file << tum_line(pose.utime_us, T);
     }
+    draw(out + "/graph.svg");
     const LoopCounts& c = detector_->counts();
     const PoseGraphCounts& g = graph_.counts();
     std::printf(
@@ -169,6 +170,34 @@ class BackEnd {
     const LaserScan scan = *waiting_;
     waiting_.reset();
     on_scan(scan);
+  }
+
+  // The way in grey, a loop a red line between its nodes.
+  void draw(const std::string& path) const {
+    Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+    for (const auto& [id, node] : graph_.nodes()) {
+      low = low.cwiseMin(node.T_map_base.translation().head<2>());
+      high = high.cwiseMax(node.T_map_base.translation().head<2>());
+    }
+    const double scale = 1000.0 / std::max(1.0, (high - low).maxCoeff());
+    std::ofstream svg(path);
+    const Eigen::Vector2d size = (high - low) * scale;
+    svg << "<svg xmlns='http://www.w3.org/2000/svg' width='" << size.x() + 40 << "' height='"
+        << size.y() + 40 << "'><rect width='100%' height='100%' fill='white'/>\n";
+    const auto line = [&](const GraphEdge& edge, const char* style) {
+      const auto at = [&](const NodeId& id) -> Eigen::Vector2d {
+        const Eigen::Vector2d p = graph_.nodes().at(id).T_map_base.translation().head<2>();
+        return {20 + (p.x() - low.x()) * scale, 20 + (high.y() - p.y()) * scale};
+      };
+      const Eigen::Vector2d a = at(edge.from), b = at(edge.to);
+      svg << "<line x1='" << a.x() << "' y1='" << a.y() << "' x2='" << b.x() << "' y2='" << b.y()
+          << "' " << style << "/>\n";
+    };
+    for (const GraphEdge& edge : graph_.edges())
+      if (edge.kind == EdgeKind::kLoop) line(edge, "stroke='#d03030' stroke-width='0.7'");
+    for (const GraphEdge& edge : graph_.edges())
+      if (edge.kind != EdgeKind::kLoop) line(edge, "stroke='#303030' stroke-width='1.5'");
+    svg << "</svg>\n";
   }
 
   void on_scan(const LaserScan& scan) {
