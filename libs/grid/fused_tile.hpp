@@ -15,7 +15,7 @@ enum class Provenance : std::uint8_t {
   kLidar = 1,
   kCamera = 2,
   kBoth = 3,      // and they agree
-  kConflict = 4,  // one says occupied, the other unoccupied
+  kConflict = 4,  // LiDAR says occupied, camera says the whole column is unoccupied
 };
 
 struct FusedCells {

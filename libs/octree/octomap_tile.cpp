@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "libs/octree/voxel_pack.hpp"
 
 namespace fusion_slam {
-namespace {
-
-constexpr std::size_t kMaskBytes = kOctomapTileVolume / 8;
-
-}  // namespace
-
 std::int8_t log_odds_to_step(double log_odds) {
   const double step = std::round(log_odds / kLogOddsStep);
   return static_cast<std::int8_t>(std::clamp(step, -127.0, 127.0));
@@ -17,21 +14,20 @@ std::int8_t log_odds_to_step(double log_odds) {
 
 Tile encode_octomap_tile(const TileKey& key, const VoxelCells& cells, double resolution_m,
                          std::int64_t revision, std::int64_t utime_us) {
-  std::vector<std::uint8_t> raw(kMaskBytes, 0);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (cells[i] == kUnknownVoxel) continue;
-    raw[i / 8] = static_cast<std::uint8_t>(raw[i / 8] | (1U << (i % 8)));
-    raw.push_back(static_cast<std::uint8_t>(cells[i]));
-  }
+  return octomap_tile_of(key, pack_cells(cells), resolution_m, revision, utime_us);
+}
+
+Tile octomap_tile_of(const TileKey& key, std::vector<std::uint8_t> packed, double resolution_m,
+                     std::int64_t revision, std::int64_t utime_us) {
   Tile tile;
   tile.key = key;
   tile.utime_us = utime_us;
   tile.revision = revision;
   tile.resolution_m = resolution_m;
   tile.size_cells = kOctomapTileVoxels;
-  if (raw.size() == kMaskBytes) return tile;
+  if (packed.empty()) return tile;
   tile.encoding = TileEncoding::kOctomap;
-  tile.data = deflate_bytes(raw);
+  tile.data = std::move(packed);
   return tile;
 }
 
@@ -40,18 +36,8 @@ std::optional<VoxelCells> decode_octomap_cells(const Tile& tile) {
   VoxelCells cells;
   cells.fill(kUnknownVoxel);
   if (tile.encoding == TileEncoding::kEmpty) return cells;
-  if (tile.encoding != TileEncoding::kOctomap) return std::nullopt;
-  const auto raw =
-      inflate_bytes(tile.data.data(), tile.data.size(), kMaskBytes + kOctomapTileVolume);
-  if (!raw || raw->size() < kMaskBytes) return std::nullopt;
-  std::size_t next = kMaskBytes;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (((*raw)[i / 8] >> (i % 8) & 1U) == 0) continue;
-    if (next == raw->size()) return std::nullopt;
-    cells[i] = static_cast<std::int8_t>((*raw)[next++]);
-    if (cells[i] == kUnknownVoxel) return std::nullopt;
-  }
-  if (next != raw->size()) return std::nullopt;
+  if (tile.encoding != TileEncoding::kOctomap || tile.data.empty()) return std::nullopt;
+  if (!unpack_cells(tile.data, &cells)) return std::nullopt;
   return cells;
 }
 

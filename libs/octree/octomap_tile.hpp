@@ -44,6 +44,9 @@ std::int8_t log_odds_to_step(double log_odds);
 // throws on any bytes.
 Tile encode_octomap_tile(const TileKey& key, const VoxelCells& cells, double resolution_m,
                          std::int64_t revision, std::int64_t utime_us);
+// The same from what pack_cells() (voxel_pack.hpp) made; no bytes make an empty tile.
+Tile octomap_tile_of(const TileKey& key, std::vector<std::uint8_t> packed, double resolution_m,
+                     std::int64_t revision, std::int64_t utime_us);
 std::optional<VoxelCells> decode_octomap_cells(const Tile& tile);
 std::optional<std::vector<OctomapVoxel>> decode_octomap_tile(
     const Tile& tile);  // known voxels only

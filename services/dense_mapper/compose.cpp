@@ -1,120 +1,115 @@
 #include "services/dense_mapper/compose.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-
-#include "libs/octree/octomap_tile.hpp"
 
 namespace fusion_slam {
 namespace {
 
-// floor() for numbers well within +-2^20, without a library call.
-inline int fast_floor(double v) { return static_cast<int>(v + 1048576.0) - 1048576; }
+constexpr int kShift = 16;  // coordinates in voxels, fixed point: exact to 1/65536 of a voxel
+constexpr double kOne = 1 << kShift;
+// A cube's corners are at most sqrt(3) edges apart: 3 cubes of a submap along each axis.
+constexpr int kSpan = 4;
 
-struct Range {
-  Eigen::Array3d low = Eigen::Array3d::Constant(1e9);
-  Eigen::Array3d high = Eigen::Array3d::Constant(-1e9);
-
-  void include(const Eigen::Vector3d& p) {
-    low = low.min(p.array());
-    high = high.max(p.array());
-  }
-  bool overlaps(const Range& other) const {
-    return (low <= other.high).all() && (other.low <= high).all();
-  }
+struct Fixed {
+  std::int32_t x, y, z;
 };
-
-Range range_of(const VoxelBlocks& voxels) {
-  Range range;
-  for (const auto& [index, block] : voxels.blocks()) {
-    const Eigen::Vector3d low = Eigen::Vector3d(index.x, index.y, index.z) * kBlockVoxels;
-    range.include(low);
-    range.include(low + Eigen::Vector3d::Constant(kBlockVoxels));
-  }
-  return range;
+Fixed fixed(const Eigen::Vector3d& p) {
+  return {static_cast<std::int32_t>(std::lround(p.x() * kOne)),
+          static_cast<std::int32_t>(std::lround(p.y() * kOne)),
+          static_cast<std::int32_t>(std::lround(p.z() * kOne))};
 }
 
-Eigen::Vector3d corner(int i, const Eigen::Vector3d& low, const Eigen::Vector3d& size) {
-  const Eigen::Vector3d which(i & 1, (i >> 1) & 1, (i >> 2) & 1);
-  return low + which.cwiseProduct(size);
+// The submap's cubes that a cube of the map can touch, side by side.
+struct Neighbourhood {
+  CubeIndex low;
+  std::array<const VoxelCells*, kSpan * kSpan * kSpan> cubes{};
+  bool any = false;
+};
+
+Neighbourhood neighbourhood(const VoxelCubes& submap, const Eigen::Vector3d& low_voxel,
+                            const Eigen::Vector3d& high_voxel) {
+  Neighbourhood around;
+  const Eigen::Array3i low = (low_voxel / kOctomapTileVoxels).array().floor().cast<int>();
+  const Eigen::Array3i high = (high_voxel / kOctomapTileVoxels).array().floor().cast<int>();
+  around.low = {low.x(), low.y(), low.z()};
+  for (int z = low.z(); z <= high.z(); ++z)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int x = low.x(); x <= high.x(); ++x) {
+        const auto it = submap.find({x, y, z});
+        if (it == submap.end()) continue;
+        const int at = ((z - low.z()) * kSpan + y - low.y()) * kSpan + x - low.x();
+        around.cubes[static_cast<std::size_t>(at)] = it->second.get();
+        around.any = true;
+      }
+  return around;
 }
 
 }  // namespace
 
-std::vector<std::int8_t> compose_voxels(const DenseSubmaps& submaps, const LatticeBox& box,
-                                        const DenseMapperConfig& config) {
-  const std::int8_t low_step = log_odds_to_step(config.log_odds_min);
-  const std::int8_t high_step = log_odds_to_step(config.log_odds_max);
-  const auto volume = static_cast<std::size_t>(box.size.prod());
-  std::vector<std::int16_t> sum(volume, kUnknownLogOdds);
-  for (const auto& [id, submap] : submaps) {
-    const SE3 T_submap_map = submap.T_map_submap.inverse();
-    Range wanted;
-    for (int i = 0; i < 8; ++i)
-      wanted.include(T_submap_map *
-                     corner(i, box.low_m, box.size.cast<double>() * box.resolution_m) /
-                     box.resolution_m);
-    if (!wanted.overlaps(range_of(submap.voxels))) continue;
-    // In voxels of the submap: the first centre, and the way from one to the next along each axis.
-    const Eigen::Vector3d first = T_submap_map *
-                                  (box.low_m + Eigen::Vector3d::Constant(box.resolution_m / 2)) /
-                                  box.resolution_m;
-    const Eigen::Matrix3d axes = T_submap_map.linear();
-    VoxelReader reader(submap.voxels);
-    std::size_t i = 0;
-    for (int z = 0; z < box.size.z(); ++z) {
-      for (int y = 0; y < box.size.y(); ++y) {
-        const Eigen::Vector3d row = first + axes.col(1) * y + axes.col(2) * z;
-        for (int x = 0; x < box.size.x(); ++x, ++i) {
-          const Eigen::Vector3d p = row + axes.col(0) * x;
-          const std::int16_t steps =
-              reader.at(fast_floor(p.x()), fast_floor(p.y()), fast_floor(p.z()));
-          if (steps == kUnknownLogOdds) continue;
-          sum[i] = add_steps(sum[i], std::clamp<int>(steps, low_step, high_step));
-        }
+bool add_submap(const VoxelCubes& submap, const SE3& T_submap_map, const CubeIndex& index,
+                double resolution_m, const StepBounds& bounds, const SliceRange& slices,
+                VoxelCells* sum) {
+  // In voxels of the submap: the first centre, and the way from one to the next along each axis.
+  const Eigen::Vector3d corner = Eigen::Vector3d(index.x, index.y, index.z) * kOctomapTileVoxels +
+                                 Eigen::Vector3d::Constant(0.5);
+  const Eigen::Matrix3d axes = T_submap_map.linear();
+  const Eigen::Vector3d first = axes * corner + T_submap_map.translation() / resolution_m;
+  const double last = kOctomapTileVoxels - 1;
+  const Eigen::Vector3d from = first + axes.col(2) * slices.from;
+  const Eigen::Vector3d edge_z = axes.col(2) * (slices.to - 1 - slices.from);
+  Eigen::Vector3d low = from;
+  Eigen::Vector3d high = from;
+  for (int i = 1; i < 8; ++i) {
+    const Eigen::Vector3d p = from + axes.col(0) * ((i & 1) != 0 ? last : 0.0) +
+                              axes.col(1) * ((i & 2) != 0 ? last : 0.0) +
+                              ((i & 4) != 0 ? edge_z : Eigen::Vector3d::Zero());
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  low.array() -= 0.01;  // rounding to fixed point
+  high.array() += 0.01;
+  if (!(low.array().abs() < 30000.0).all() || !(high.array().abs() < 30000.0).all()) return false;
+  const Neighbourhood around = neighbourhood(submap, low, high);
+  if (!around.any) return false;
+  const Eigen::Vector3d origin =
+      Eigen::Vector3d(around.low.x, around.low.y, around.low.z) * kOctomapTileVoxels;
+  const Fixed step = fixed(axes.col(0));
+  for (int z = slices.from; z < slices.to; ++z) {
+    for (int y = 0; y < kOctomapTileVoxels; ++y) {
+      Fixed p = fixed(first - origin + axes.col(1) * y + axes.col(2) * z);
+      std::int8_t* out = sum->data() + voxel_index(0, y, z);
+      for (int x = 0; x < kOctomapTileVoxels; ++x, p.x += step.x, p.y += step.y, p.z += step.z) {
+        const auto i = static_cast<unsigned>(p.x) >> kShift;
+        const auto j = static_cast<unsigned>(p.y) >> kShift;
+        const auto k = static_cast<unsigned>(p.z) >> kShift;
+        const VoxelCells* cube = around.cubes[((k >> 5) * kSpan + (j >> 5)) * kSpan + (i >> 5)];
+        if (cube == nullptr) continue;
+        out[x] = add_clamped(out[x], (*cube)[((k & 31) << 10) | ((j & 31) << 5) | (i & 31)],
+                             bounds.low, bounds.high);
       }
     }
   }
-  std::vector<std::int8_t> out(volume);
-  for (std::size_t i = 0; i < volume; ++i)
-    out[i] = sum[i] == kUnknownLogOdds
-                 ? kUnknownVoxel
-                 : static_cast<std::int8_t>(std::clamp<int>(sum[i], low_step, high_step));
-  return out;
+  return true;
 }
 
-std::map<TileKey, std::vector<ColouredPoint>> compose_cloud(const DenseSubmaps& submaps,
-                                                            const std::set<TileKey>& keys,
-                                                            double cloud_resolution_m) {
-  std::map<TileKey, std::vector<ColouredPoint>> gathered;
-  for (const auto& [id, submap] : submaps) {
-    for (ColouredPoint& point : submap.cloud.points()) {
-      const Eigen::Vector3d p_map = submap.T_map_submap * point.p_m.cast<double>();
-      const TileKey key = cloud_tile_of(0, p_map, cloud_resolution_m);
-      if (keys.count(key) == 0) continue;
-      point.p_m = p_map.cast<float>();
-      gathered[key].push_back(point);
-    }
+void insert_touched(const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m,
+                    const SE3& T_map_submap, double edge_map_m, std::set<CubeIndex>* out) {
+  Eigen::Array3d low = Eigen::Array3d::Constant(1e9);
+  Eigen::Array3d high = -low;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d p = T_map_submap * Eigen::Vector3d((i & 1) != 0 ? high_m.x() : low_m.x(),
+                                                             (i & 2) != 0 ? high_m.y() : low_m.y(),
+                                                             (i & 4) != 0 ? high_m.z() : low_m.z());
+    low = low.min(p.array());
+    high = high.max(p.array());
   }
-  for (auto& [key, points] : gathered) {
-    VoxelCloud thinned(cloud_resolution_m);
-    thinned.add(points);
-    points = thinned.points();
-  }
-  return gathered;
-}
-
-TileRange tiles_of_block(const BlockIndex& block, double resolution_m, const SE3& T_map_submap,
-                         double edge_m) {
-  const double block_m = kBlockVoxels * resolution_m;
-  const Eigen::Vector3d low_m = Eigen::Vector3d(block.x, block.y, block.z) * block_m;
-  Range range;
-  for (int i = 0; i < 8; ++i)
-    range.include(T_map_submap * corner(i, low_m, Eigen::Vector3d::Constant(block_m)));
-  TileRange tiles;
-  tiles.low = (range.low / edge_m).floor().cast<int>();
-  tiles.high = (range.high / edge_m).floor().cast<int>();
-  return tiles;
+  const Eigen::Array3i a = (low / edge_map_m).floor().cast<int>();
+  const Eigen::Array3i b = (high / edge_map_m).floor().cast<int>();
+  for (int x = a.x(); x <= b.x(); ++x)
+    for (int y = a.y(); y <= b.y(); ++y)
+      for (int z = a.z(); z <= b.z(); ++z) out->insert({x, y, z});
 }
 
 }  // namespace fusion_slam

@@ -1,40 +1,36 @@
-// The global map out of placed submaps: each voxel of a box of the global lattice looks its centre
-// up in every submap (inverse lookup: no holes), and the clamped log-odds are added (equation 4)
-// and clamped again.
+// Placed submaps into the cubes of the map. Each voxel of the map looks its centre up in a submap
+// (inverse lookup: no holes). Pure functions.
 #pragma once
 
 #include <cstdint>
-#include <map>
-#include <vector>
+#include <set>
 
-#include "services/dense_mapper/dense_submap.hpp"
+#include "libs/geometry/pose.hpp"
+#include "libs/octree/voxel_pack.hpp"
 
 namespace fusion_slam {
 
-using DenseSubmaps = std::map<std::int64_t, DenseSubmap>;  // by id
-
-// A box of voxels of the map.
-struct LatticeBox {
-  Eigen::Vector3d low_m = Eigen::Vector3d::Zero();  // low corner, map frame
-  Eigen::Vector3i size = Eigen::Vector3i::Zero();   // voxels
-  double resolution_m = 0.05;
+// Bounds of a voxel's log-odds, in steps (equation 4 with OctoMap's clamping).
+struct StepBounds {
+  int low = -64;
+  int high = 112;
 };
 
-// Log-odds in steps of each voxel, x fastest, then y; kUnknownVoxel where no submap knows.
-std::vector<std::int8_t> compose_voxels(const DenseSubmaps& submaps, const LatticeBox& box,
-                                        const DenseMapperConfig& config);
-
-// Points of all submaps in the tiles `keys` (map frame), one a voxel of the cloud.
-std::map<TileKey, std::vector<ColouredPoint>> compose_cloud(const DenseSubmaps& submaps,
-                                                            const std::set<TileKey>& keys,
-                                                            double cloud_resolution_m);
-
-// Range of tiles of the map of edge_m (in each axis) that a block of a submap touches.
-struct TileRange {
-  Eigen::Vector3i low;
-  Eigen::Vector3i high;  // included
+// Slices [from, to) of a cube's z, 0 <= from <= to <= 32.
+struct SliceRange {
+  int from = 0;
+  int to = kOctomapTileVoxels;
 };
-TileRange tiles_of_block(const BlockIndex& block, double resolution_m, const SE3& T_map_submap,
-                         double edge_m);
+
+// Adds what a submap says about the cube `index` of the map to `sum`, clamped voxel by voxel
+// (add_clamped), in the given slices. T_submap_map in metres, both frames with voxels of
+// resolution_m. False: the submap has no voxel there.
+bool add_submap(const VoxelCubes& submap, const SE3& T_submap_map, const CubeIndex& index,
+                double resolution_m, const StepBounds& bounds, const SliceRange& slices,
+                VoxelCells* sum);
+
+// Cubes of the map (edge edge_map_m) that a box [low_m, high_m] of a submap touches.
+void insert_touched(const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m,
+                    const SE3& T_map_submap, double edge_map_m, std::set<CubeIndex>* out);
 
 }  // namespace fusion_slam

@@ -8,10 +8,11 @@ namespace fusion_slam {
 
 struct DenseMapperConfig {
   // --- depth to points
-  int stride_px = 4;     // every 4th pixel: 2 points a voxel of 5 cm at 4 m
-  int edge_step_px = 2;  // flying pixels lie within about 2 px of an edge
+  int stride_px = 2;     // rims and legs are a few pixels wide; 4 points a voxel of 5 cm at 5 m
+  int edge_step_px = 1;  // flying pixels lie within about 2 px of an edge
   double edge_sigmas =
       4.0;  // a second difference of inverse depth beyond this many of its own sigmas is an edge
+  double grazing_cosine = 0.04;  // 2.3 degrees: a surface seen flatter moves by more than it shows
 
   // --- occupancy (OctoMap's own sensor model and bounds, Hornung et al. 2013)
   double probability_hit = 0.7;
@@ -27,8 +28,12 @@ struct DenseMapperConfig {
       0.5;  // a submap is placed anew when the graph moved a point of it by more than this
   std::size_t max_waiting = 512;  // keyframes without a pose in the graph; about 200 KB each
 
+  std::int64_t open_submaps = 4;  // a keyframe missing for longer than these isn't waited for
+  // Voxels of a submap that this many newer ones know too are dropped: the clamped sum (3.5, and -2
+  // a submap at most) has forgotten them after two.
+  int submaps_that_count = 4;
+
   // --- publishing
-  int keyframes_per_publication = 5;
   std::int64_t moved_period_us =
       1'000'000;  // anchors that move are followed this often, in the graph's utime
 };

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libs/octree/octomap_tile.hpp"
-#include "services/dense_mapper/raster.hpp"
+#include "services/dense_mapper/supersede.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -23,10 +22,26 @@ double largest_move_m(const SE3& from, const SE3& to) {
 
 DenseMapper::DenseMapper(const CameraModel& camera, const RobotModel& robot,
                          const DenseMapperConfig& config)
-    : camera_(camera), robot_(robot), config_(config), levelled_(robot.planar) {}
+    : camera_(camera),
+      robot_(robot),
+      config_(config),
+      base_(robot.map_resolution_m, robot.map_resolution_m / kCloudVoxelsPerCell,
+            step_bounds(config)),
+      levelled_(robot.planar),
+      grid_(robot.map_resolution_m) {}
 
 std::int64_t DenseMapper::submap_of(std::int64_t keyframe_id) const {
   return (keyframe_id - 1) / config_.keyframes_per_submap * config_.keyframes_per_submap + 1;
+}
+
+SE3 DenseMapper::pose_of(std::int64_t keyframe_id) const {
+  const SE3& T = T_map_base_.at(keyframe_id);
+  return robot_.planar ? to_se3(to_se2(T)) : T;
+}
+
+// Where a submap belongs now: as the graph says, and with what is known of the mounting since.
+SE3 DenseMapper::placement(std::int64_t id, const DenseSubmap& submap) const {
+  return pose_of(id) * mounting_.correction() * submap.T_true_base.inverse();
 }
 
 bool DenseMapper::add_keyframe(std::int64_t id, const RgbdFrame& frame) {
@@ -65,137 +80,166 @@ void DenseMapper::integrate_ready() {
 void DenseMapper::integrate(std::int64_t keyframe_id, std::int64_t submap_id,
                             const DepthCloud& cloud) {
   const double resolution_m = robot_.map_resolution_m;
-  const SE3& T_map_submap = T_map_base_.at(submap_id);
+  if (robot_.planar) mounting_.add(cloud, robot_.T_base_camera);
   auto it = submaps_.find(submap_id);
   if (it == submaps_.end()) {
     it = submaps_.emplace(submap_id, DenseSubmap(resolution_m / kCloudVoxelsPerCell)).first;
-    it->second.T_map_submap = T_map_submap;
+    it->second.T_true_base = mounting_.correction();
+    it->second.T_map_submap = placement(submap_id, it->second);
   }
-  const SE3 T_submap_camera =
-      T_map_submap.inverse() * T_map_base_.at(keyframe_id) * robot_.T_base_camera;
-  const std::set<BlockIndex> blocks =
-      integrate_cloud(cloud, T_submap_camera, camera_, resolution_m, config_, &it->second);
-  changes_.blocks[submap_id].insert(blocks.begin(), blocks.end());
-  ++changes_.keyframes;
+  DenseSubmap& submap = it->second;
+  const SE3 T_submap_camera = pose_of(submap_id).inverse() * pose_of(keyframe_id) *
+                              submap.T_true_base * robot_.T_base_camera;
+  ++fresh_keyframes_;
   newest_us_ = std::max(newest_us_, cloud.utime_us);
+  if (submap.closed || submap_id < base_upto_)
+    return integrate_late(cloud, T_submap_camera, &submap);
+  const std::set<BlockIndex> blocks = integrate_cloud(cloud, T_submap_camera, camera_, resolution_m,
+                                                      config_, !robot_.planar, &submap);
+  std::set<CubeIndex> touched;
+  const double edge_m = kBlockVoxels * resolution_m;
+  for (const BlockIndex& block : blocks) {
+    const Eigen::Vector3d low_m = Eigen::Vector3d(block.x, block.y, block.z) * edge_m;
+    insert_touched(low_m, low_m + Eigen::Vector3d::Constant(edge_m), submap.T_map_submap,
+                   kOctomapTileVoxels * resolution_m, &touched);
+  }
+  mark(touched);
+}
+
+// Newer submaps lie above this one already.
+void DenseMapper::integrate_late(const DepthCloud& cloud, const SE3& T_submap_camera,
+                                 DenseSubmap* submap) {
+  if (submap->closed) open_submap(submap);
+  integrate_cloud(cloud, T_submap_camera, camera_, robot_.map_resolution_m, config_, !robot_.planar,
+                  submap);
+  close_submap(robot_.map_resolution_m, submap);
+  mark_all(*submap);
 }
 
 bool DenseMapper::needs_placing(std::int64_t id, const DenseSubmap& submap, double slack_m) const {
-  return largest_move_m(submap.T_map_submap, T_map_base_.at(id)) > slack_m;
+  return largest_move_m(submap.T_map_submap, placement(id, submap)) > slack_m;
 }
 
-bool DenseMapper::due() const {
-  if (changes_.keyframes >= config_.keyframes_per_publication || grid_is_late_) return true;
-  if (graph_us_ < published_us_ + config_.moved_period_us) return false;
-  const double slack_m = config_.slack_voxels * robot_.map_resolution_m;
+bool DenseMapper::anything_moved(double slack_m) const {
   return std::any_of(submaps_.begin(), submaps_.end(), [&](const auto& entry) {
     return needs_placing(entry.first, entry.second, slack_m);
   });
 }
 
-DenseTiles DenseMapper::update(bool exact) {
-  place_submaps(exact);
-  for (const auto& [id, blocks] : changes_.blocks)
-    for (const BlockIndex& block : blocks) mark(submaps_.at(id), block);
-  changes_ = Changes{};
-  published_us_ = graph_us_;
-  grid_is_late_ = false;
+bool DenseMapper::due() const {
+  if (fresh_keyframes_ > 0 || grid_is_late_) return true;
+  if (graph_us_ < placed_us_ + config_.moved_period_us) return false;
+  return anything_moved(config_.slack_voxels * robot_.map_resolution_m);
+}
 
-  DenseTiles tiles;
-  compose_octomap(&tiles.octomap);
-  compose_clouds(&tiles.cloud);
-  if (level()) compose_grid(&tiles.grid);
+DenseTiles DenseMapper::update(bool exact) {
+  DenseTiles tiles = update_grid(exact);
+  DenseTiles maps = update_maps();
+  tiles.octomap = std::move(maps.octomap);
+  tiles.cloud = std::move(maps.cloud);
   return tiles;
 }
 
-void DenseMapper::place_submaps(bool exact) {
-  const double slack_m = exact ? kExactSlackM : config_.slack_voxels * robot_.map_resolution_m;
+DenseTiles DenseMapper::update_grid(bool exact) {
+  finishing_ = exact;
+  maps_due_ |= exact || grid_is_late_;
+  if (exact || graph_us_ >= placed_us_ + config_.moved_period_us)
+    maps_due_ |=
+        place_submaps(exact ? kExactSlackM : config_.slack_voxels * robot_.map_resolution_m);
+  if (!dirty_base_.empty()) base_.rebuild(dirty_base_, submaps_, base_upto_);
+  dirty_base_.clear();
+  fresh_keyframes_ = 0;
+  grid_is_late_ = false;
+  DenseTiles tiles;
+  if (level()) publish_grid(&tiles.grid);
+  return tiles;
+}
+
+DenseTiles DenseMapper::update_maps() {
+  maps_due_ |= close_full_submaps();
+  DenseTiles tiles;
+  if (!maps_due_) return tiles;
+  maps_due_ = false;
+  const Composed composed = compose(dirty_cubes_, SliceRange{});
+  publish_octomap(composed, &tiles.octomap);
+  publish_clouds(composed, &tiles.cloud);
+  dirty_cubes_.clear();
+  return tiles;
+}
+
+bool DenseMapper::place_submaps(double slack_m) {
+  placed_us_ = graph_us_;
+  bool moved = false;
   for (auto& [id, submap] : submaps_) {
     if (!needs_placing(id, submap, slack_m)) continue;
     mark_all(submap);  // what it leaves
-    submap.T_map_submap = T_map_base_.at(id);
+    submap.T_map_submap = placement(id, submap);
+    if (submap.closed) {
+      const auto touched = touched_cubes(submap, robot_.map_resolution_m);
+      submap.touches.assign(touched.begin(), touched.end());
+    }
     mark_all(submap);  // where it goes
+    moved = true;
   }
+  return moved;
 }
 
 void DenseMapper::mark_all(const DenseSubmap& submap) {
-  for (const auto& [index, block] : submap.voxels.blocks()) mark(submap, index);
-}
-
-// Everything a block of a submap touches has to be composed again.
-void DenseMapper::mark(const DenseSubmap& submap, const BlockIndex& block) {
-  const double resolution_m = robot_.map_resolution_m;
-  const double cloud_resolution_m = resolution_m / kCloudVoxelsPerCell;
-  const SE3& T = submap.T_map_submap;
-  const auto insert = [](const TileRange& range, std::set<TileKey>* keys) {
-    for (int x = range.low.x(); x <= range.high.x(); ++x)
-      for (int y = range.low.y(); y <= range.high.y(); ++y)
-        for (int z = range.low.z(); z <= range.high.z(); ++z) keys->insert({0, x, y, z});
-  };
-  insert(tiles_of_block(block, resolution_m, T, kOctomapTileVoxels * resolution_m),
-         &dirty_octomap_);
-  insert(tiles_of_block(block, resolution_m, T, kCloudTileVoxels * cloud_resolution_m),
-         &dirty_cloud_);
-  const TileRange grid = tiles_of_block(block, resolution_m, T, kTileCells * resolution_m);
-  for (int x = grid.low.x(); x <= grid.high.x(); ++x)
-    for (int y = grid.low.y(); y <= grid.high.y(); ++y) dirty_grid_.insert({x, y});
-}
-
-void DenseMapper::compose_octomap(std::vector<Tile>* out) {
-  LatticeBox box;
-  box.resolution_m = robot_.map_resolution_m;
-  box.size.setConstant(kOctomapTileVoxels);
-  const double edge_m = kOctomapTileVoxels * box.resolution_m;
-  for (const TileKey& key : dirty_octomap_) {
-    box.low_m = Eigen::Vector3d(key.x, key.y, key.z) * edge_m;
-    const std::vector<std::int8_t> voxels = compose_voxels(submaps_, box, config_);
-    VoxelCells cells;
-    std::copy(voxels.begin(), voxels.end(), cells.begin());
-    auto tile =
-        octomap_tiles_.offer(encode_octomap_tile(key, cells, box.resolution_m, 0, newest_us_));
-    if (tile) out->push_back(std::move(*tile));
+  std::set<CubeIndex> touched;
+  if (submap.closed) {
+    touched.insert(submap.touches.begin(), submap.touches.end());
+    dirty_base_.insert(touched.begin(), touched.end());
+  } else {
+    touched = touched_cubes(submap, robot_.map_resolution_m);
   }
-  dirty_octomap_.clear();
+  mark(touched);
 }
 
-void DenseMapper::compose_clouds(std::vector<Tile>* out) {
-  const double resolution_m = robot_.map_resolution_m / kCloudVoxelsPerCell;
-  const auto points = compose_cloud(submaps_, dirty_cloud_, resolution_m);
-  for (const TileKey& key : dirty_cloud_) {
-    const auto it = points.find(key);
-    auto tile = cloud_tiles_.offer(
-        encode_cloud_tile(key, it == points.end() ? std::vector<ColouredPoint>{} : it->second,
-                          resolution_m, 0, newest_us_));
-    if (tile) out->push_back(std::move(*tile));
-  }
-  dirty_cloud_.clear();
+void DenseMapper::mark(const std::set<CubeIndex>& cubes) {
+  dirty_cubes_.insert(cubes.begin(), cubes.end());
+  for (const CubeIndex& cube : cubes) dirty_columns_.insert({cube.x, cube.y});
 }
 
-void DenseMapper::compose_grid(std::vector<Tile>* out) {
-  LatticeBox box;
-  box.resolution_m = robot_.map_resolution_m;
-  // A submap of a tilted camera has tilted voxels: the floor's reach up to a voxel's diagonal above
-  // it.
-  const double clearance_m = robot_.planar
-                                 ? robot_.floor_clearance_m
-                                 : std::max(robot_.floor_clearance_m, 2.0 * box.resolution_m);
-  const double band_m = std::max(robot_.robot_height_m - clearance_m, box.resolution_m);
-  box.size = {kTileCells, kTileCells, static_cast<int>(std::lround(band_m / box.resolution_m))};
-  const double edge_m = kTileCells * box.resolution_m;
-  for (const TileIndex& index : dirty_grid_) {
-    box.low_m = Eigen::Vector3d(index.first * edge_m, index.second * edge_m, clearance_m);
-    const TileCells cells = raster_tile(compose_voxels(submaps_, box, config_));
-    Tile tile =
-        encode_grid_tile({0, index.first, index.second, 0}, cells, box.resolution_m, 0, newest_us_);
-    const bool known = std::any_of(cells.begin(), cells.end(),
-                                   [](std::uint8_t cell) { return cell != kUnknownCell; });
-    if (!known) {
-      tile.encoding = TileEncoding::kEmpty;
-      tile.data.clear();
-    }
-    if (auto fresh = grid_tiles_.offer(std::move(tile))) out->push_back(std::move(*fresh));
+// A submap is closed when all its keyframes are in, or none can be expected any more.
+bool DenseMapper::close_full_submaps() {
+  if (submaps_.empty()) return false;
+  const std::int64_t given_up =
+      submaps_.rbegin()->first - config_.open_submaps * config_.keyframes_per_submap;
+  bool any = false;
+  for (auto& [id, submap] : submaps_) {
+    if (submap.closed ||
+        !(finishing_ || submap.n_keyframes >= config_.keyframes_per_submap || id <= given_up))
+      continue;
+    close_submap(robot_.map_resolution_m, &submap);
+    dirty_cubes_.insert(submap.touches.begin(), submap.touches.end());  // its points are new
+    any = true;
   }
-  dirty_grid_.clear();
+  if (any) extend_base();
+  return any;
+}
+
+void DenseMapper::extend_base() {
+  for (auto it = submaps_.lower_bound(base_upto_); it != submaps_.end(); ++it) {
+    if (!it->second.closed) return;
+    // What moved below it is composed first: extend() adds to what is there.
+    if (!dirty_base_.empty()) base_.rebuild(dirty_base_, submaps_, base_upto_);
+    dirty_base_.clear();
+    base_.extend(it->second);
+    base_upto_ = it->first + 1;
+    const std::int64_t old = count_newer(it->first, 2 * config_.submaps_that_count, &submaps_);
+    if (old != 0)
+      drop_superseded(old, config_.submaps_that_count, robot_.map_resolution_m,
+                      robot_.map_resolution_m / kCloudVoxelsPerCell, &submaps_);
+  }
+}
+
+std::size_t DenseMapper::submap_bytes() const {
+  std::size_t sum = 0;
+  for (const auto& [id, submap] : submaps_) {
+    sum += size_bytes(submap.packed);
+    for (const auto& [key, bytes] : submap.packed_cloud) sum += bytes.size();
+  }
+  return sum;
 }
 
 }  // namespace fusion_slam

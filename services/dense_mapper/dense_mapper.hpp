@@ -17,10 +17,13 @@
 #include "libs/grid/tiled_grid.hpp"
 #include "libs/robot/robot_model.hpp"
 #include "libs/submaps/changed_tiles.hpp"
-#include "services/dense_mapper/compose.hpp"
+#include "services/dense_mapper/base_map.hpp"
 #include "services/dense_mapper/config.hpp"
+#include "services/dense_mapper/dense_submap.hpp"
 #include "services/dense_mapper/depth_cloud.hpp"
 #include "services/dense_mapper/level.hpp"
+#include "services/dense_mapper/mounting.hpp"
+#include "services/dense_mapper/raster.hpp"
 
 namespace fusion_slam {
 
@@ -50,39 +53,56 @@ class DenseMapper {
   // Integrates what waits for poses. To be called after each batch of add_keyframe and set_pose.
   void integrate_ready();
 
-  // True when enough is new to publish again: keyframes, anchors that moved by more than the slack,
-  // or the level the grid waited for.
+  // True when there is something to publish: a keyframe, anchors that moved by more than the slack
+  // (followed once a second), or the level the grid waited for.
   bool due() const;
   // To be called before each update(). A wish is to be passed on to the pose graph; until
   // set_pose() shows that it has come true, or the next estimate finds the map level, update()
   // composes no grid. Never for a planar robot, whose map is level. `exact`: for the final map.
   std::optional<LevelWish> wish_level(bool exact);
-  // place -> compose OctoMap, cloud, raster: the tiles that changed, revisions set. `exact` places
-  // submaps without slack: for the final map.
+  // place -> compose -> the tiles that changed, revisions set. The raster follows each keyframe;
+  // OctoMap and cloud follow when a submap is full or has moved. `exact`: everything now, and
+  // submaps placed without slack; for the final map.
   DenseTiles update(bool exact);
+  // The same in two steps, so that the raster need not wait for the rest: octomap and cloud of the
+  // result of update_grid() are empty, grid of that of update_maps().
+  DenseTiles update_grid(bool exact);
+  DenseTiles update_maps();
 
   bool level() const { return levelled_ && !wish_; }  // z is up, z = 0 the floor, as far as known
   bool floor_seen() const { return robot_.planar || floor_seen_; }
   std::size_t waiting() const { return waiting_.size(); }
   std::size_t integrated() const { return integrated_.size(); }
   std::int64_t dropped() const { return dropped_; }  // waited too long, see max_waiting
+  const SE3& mounting_correction() const { return mounting_.correction(); }
+  // What is kept packed for ever: submaps, and the map composed of them.
+  std::size_t submap_bytes() const;
+  std::size_t map_bytes() const { return base_.size_bytes(); }
 
  private:
-  struct Changes {                                        // since the last update()
-    std::map<std::int64_t, std::set<BlockIndex>> blocks;  // by submap
-    int keyframes = 0;
-  };
+  using Columns = std::set<ColumnIndex>;
   std::int64_t submap_of(std::int64_t keyframe_id) const;
+  SE3 pose_of(std::int64_t keyframe_id) const;  // T_map_base, on the floor when the robot is
+  SE3 placement(std::int64_t id, const DenseSubmap& submap) const;
   bool needs_placing(std::int64_t id, const DenseSubmap& submap, double slack_m) const;
+  bool anything_moved(double slack_m) const;
   void integrate(std::int64_t keyframe_id, std::int64_t submap_id, const DepthCloud& cloud);
-  void place_submaps(bool exact);
+  void integrate_late(const DepthCloud& cloud, const SE3& T_submap_camera, DenseSubmap* submap);
+  bool place_submaps(double slack_m);
+  bool close_full_submaps();
+  void extend_base();
   void check_wish();
   void found_level();
-  void mark(const DenseSubmap& submap, const BlockIndex& block);
   void mark_all(const DenseSubmap& submap);
-  void compose_octomap(std::vector<Tile>* out);
-  void compose_clouds(std::vector<Tile>* out);
-  void compose_grid(std::vector<Tile>* out);
+  void mark(const std::set<CubeIndex>& cubes);
+
+  // publish.cpp
+  using Composed = std::map<CubeIndex, VoxelCells>;
+  Composed compose(const std::set<CubeIndex>& cubes, const SliceRange& slices);
+  void publish_grid(std::vector<Tile>* out);
+  void publish_octomap(const Composed& composed, std::vector<Tile>* out);
+  void publish_clouds(const Composed& composed, std::vector<Tile>* out);
+  Band band() const;
 
   CameraModel camera_;
   RobotModel robot_;
@@ -91,21 +111,28 @@ class DenseMapper {
   std::map<std::int64_t, DepthCloud> waiting_;  // for a pose
   std::set<std::int64_t> integrated_;
   DenseSubmaps submaps_;
+  Mounting mounting_;
+  BaseMap base_;  // of the closed submaps with id < base_upto_
+  std::int64_t base_upto_ = 0;
   bool levelled_ = false;          // once, at least
   std::optional<LevelWish> wish_;  // that hasn't come true yet
   bool floor_seen_ = false;
   bool grid_is_late_ = false;        // the level came, the grid hasn't been composed since
   std::size_t level_keyframes_ = 0;  // behind the latest estimate
-  Changes changes_;
-  std::set<TileKey> dirty_octomap_;
-  std::set<TileKey> dirty_cloud_;
-  std::set<TileIndex> dirty_grid_;
+  int fresh_keyframes_ = 0;          // since the last update()
+  bool maps_due_ = false;            // OctoMap and cloud, too
+  bool finishing_ = false;           // the last update_grid() was exact: nothing stays open
+  std::set<CubeIndex> dirty_cubes_;  // OctoMap and cloud to be composed again
+  std::set<CubeIndex> dirty_base_;   // below them a submap moved
+  Columns dirty_columns_;            // raster
+  ColumnRasters columns_;            // the band of the map, seen from above
+  TiledGrid grid_;                   // as published
   ChangedTiles octomap_tiles_;
   ChangedTiles cloud_tiles_;
   ChangedTiles grid_tiles_;
-  std::int64_t newest_us_ = 0;     // image in the map
-  std::int64_t graph_us_ = 0;      // graph
-  std::int64_t published_us_ = 0;  // graph at the last update()
+  std::int64_t newest_us_ = 0;  // image in the map
+  std::int64_t graph_us_ = 0;   // graph
+  std::int64_t placed_us_ = 0;  // graph when submaps were last placed
   std::int64_t dropped_ = 0;
 };
 

@@ -118,10 +118,11 @@ void DenseMapperProcess::integrate_and_publish() {
   mapper_->integrate_ready();
   if (finished_ || mapper_->due()) {
     if (const auto wish = mapper_->wish_level(finished_)) publish_level(*wish);
-    const DenseTiles tiles = mapper_->update(finished_);
-    for (const Tile& tile : tiles.octomap) octomap_out_.publish(tile);
-    for (const Tile& tile : tiles.cloud) cloud_out_.publish(tile);
-    for (const Tile& tile : tiles.grid) grid_out_.publish(tile);
+    // The raster first: the fused map waits for it.
+    for (const Tile& tile : mapper_->update_grid(finished_).grid) grid_out_.publish(tile);
+    const DenseTiles maps = mapper_->update_maps();
+    for (const Tile& tile : maps.octomap) octomap_out_.publish(tile);
+    for (const Tile& tile : maps.cloud) cloud_out_.publish(tile);
   }
   bus_.set_state_text(std::to_string(mapper_->integrated()) + " keyframes mapped, " +
                       std::to_string(mapper_->waiting()) + " wait for a pose" +

@@ -36,20 +36,38 @@ class DepthImage {
   double max_m_;
 };
 
-// Inverse depth is linear over any plane, however steep: its second difference is zero there, and
-// large at an edge, at a flying pixel and one step beside either.
-bool smooth_along(const DepthImage& depth, int u, int v, int du, int dv, double limit_per_m) {
-  std::array<double, 5> inverse{};
+// Inverse depth of five pixels in a row, 0 where there is none.
+using Row = std::array<double, 5>;
+
+Row inverse_along(const DepthImage& depth, int u, int v, int du, int dv) {
+  Row inverse{};
   for (int i = 0; i < 5; ++i) {
     const double z_m = depth.raw_m(u + (i - 2) * du, v + (i - 2) * dv);
     inverse[static_cast<std::size_t>(i)] = z_m > 0.0 ? 1.0 / z_m : 0.0;
   }
+  return inverse;
+}
+
+// Inverse depth is linear over any plane, however steep: its second difference is zero there, and
+// large at an edge, at a flying pixel and one step beside either. A pixel without neighbours on the
+// same surface is an outlier.
+bool smooth(const Row& inverse, double limit_per_m) {
   if (inverse[1] == 0.0 || inverse[3] == 0.0) return false;  // beside a hole
   for (std::size_t i = 0; i < 3; ++i) {
     if (inverse[i] == 0.0 || inverse[i + 2] == 0.0) continue;
     if (std::abs(inverse[i] - 2.0 * inverse[i + 1] + inverse[i + 2]) > limit_per_m) return false;
   }
   return true;
+}
+
+// Cosine of the angle between ray and surface normal. On a plane n . p = d inverse depth is
+// (n_x X + n_y Y + n_z) / d with X, Y the ray at z = 1: its gradient is the normal.
+double incidence(const Row& along_u, const Row& along_v, const Eigen::Vector3d& ray,
+                 const CameraModel& camera, int step_px) {
+  const double gx = (along_u[3] - along_u[1]) * camera.fx_px / (2.0 * step_px);
+  const double gy = (along_v[3] - along_v[1]) * camera.fy_px / (2.0 * step_px);
+  const Eigen::Vector3d normal(gx, gy, along_u[2] - gx * ray.x() - gy * ray.y());
+  return along_u[2] / (normal.norm() * ray.norm());
 }
 
 // Rays of the sampled pixels at z = 1, distortion removed. Index: column, then row.
@@ -128,15 +146,19 @@ DepthCloud make_depth_cloud(const RgbdFrame& frame, const CameraModel& camera, d
       // Sigma of 1/z is sigma / z^2; of the second difference sqrt(1 + 4 + 1) times that.
       const double limit_per_m =
           config.edge_sigmas * std::sqrt(6.0) * camera.depth_sigma(z_m) / (z_m * z_m);
-      if (!smooth_along(depth, u, v, step, 0, limit_per_m) ||
-          !smooth_along(depth, u, v, 0, step, limit_per_m))
-        continue;
+      const Row along_u = inverse_along(depth, u, v, step, 0);
+      const Row along_v = inverse_along(depth, u, v, 0, step);
+      if (!smooth(along_u, limit_per_m) || !smooth(along_v, limit_per_m)) continue;
+      const Eigen::Vector3d ray = rays.at(u, v);
+      if (incidence(along_u, along_v, ray, camera, step) < config.grazing_cosine) continue;
       ColouredPoint point;
-      point.p_m = (rays.at(u, v) * z_m).cast<float>();
+      point.p_m = (ray * z_m).cast<float>();
       const auto& bgr = frame.colour_bgr.at<cv::Vec3b>(v, u);
       point.r = bgr[2];
       point.g = bgr[1];
       point.b = bgr[0];
+      if (u % (2 * config.stride_px) == 0 && v % (2 * config.stride_px) == 0)
+        cloud.sparse.push_back(static_cast<std::uint32_t>(cloud.points.size()));
       cloud.points.push_back(point);
       if (u % kSurfaceStridePx == 0 && v % kSurfaceStridePx == 0)
         add_surface(depth, camera, u, v, &cloud.surfaces);

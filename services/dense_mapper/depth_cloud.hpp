@@ -23,6 +23,7 @@ struct SurfacePoint {
 struct DepthCloud {
   std::int64_t utime_us = 0;
   std::vector<ColouredPoint> points;   // camera frame, one a sampled pixel, row by row
+  std::vector<std::uint32_t> sparse;   // of them, those for the cloud: every second of both axes
   std::vector<SurfacePoint> surfaces;  // camera frame, far fewer
 };
 

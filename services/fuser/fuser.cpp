@@ -22,6 +22,11 @@ const TileCells* find(const TiledGrid& grid, const TileIndex& index) {
   return it == grid.tiles().end() ? nullptr : &it->second;
 }
 
+// How far from free space the cells of an obstacle's face may lie: its own cell, and one for the
+// noise. Up to the larger distance occupied cells behind a face are noise; beyond, nobody knows.
+constexpr int kFaceCells = 2;
+constexpr int kTailCells = 5;
+
 }  // namespace
 
 Fuser::Fuser(double resolution_m, const FuserConfig& config)
@@ -36,6 +41,7 @@ bool Fuser::add_submap_tile(const Tile& tile) {
     if (!cells || !(tile.resolution_m > 1e-3 && tile.resolution_m < 10.0)) return false;
     lidar_.set_tile(tile.key.submap_id, index, *cells, tile.resolution_m);
   }
+  lidar_changed_ = true;
   newest_us_ = std::max(newest_us_, tile.utime_us);
   return true;
 }
@@ -56,17 +62,24 @@ bool Fuser::add_visual_tile(const Tile& tile) {
 
 void Fuser::set_anchor(std::int64_t submap_id, const SE3& T_map_submap, std::int64_t utime_us) {
   lidar_.set_pose(submap_id, to_se2(T_map_submap));
+  lidar_changed_ = true;
   newest_us_ = std::max(newest_us_, utime_us);
 }
 
-bool Fuser::due() const {
-  return !published_us_ || newest_us_ >= *published_us_ + config_.publish_period_us;
+bool Fuser::lidar_due() const {
+  return lidar_changed_ &&
+         (!composed_us_ || newest_us_ >= *composed_us_ + config_.publish_period_us);
 }
 
 FuserOutput Fuser::update(bool exact) {
   FuserOutput output;
   const double resolution_m = visual_.resolution_m();
-  std::set<TileIndex> changed = lidar_.recompose(exact);
+  std::set<TileIndex> changed;
+  if (exact || lidar_due()) {
+    changed = lidar_.recompose(exact);
+    composed_us_ = newest_us_;
+    lidar_changed_ = false;
+  }
   for (const TileIndex& index : changed) {
     const TileCells* cells = find(lidar_.map(), index);
     Tile tile = cells == nullptr ? empty_tile(index, resolution_m, newest_us_)
@@ -74,17 +87,48 @@ FuserOutput Fuser::update(bool exact) {
                                                     resolution_m, 0, newest_us_);
     if (auto fresh = lidar_tiles_.offer(std::move(tile))) output.lidar.push_back(std::move(*fresh));
   }
-  changed.insert(visual_changed_.begin(), visual_changed_.end());
+  std::set<TileIndex> wanted(visual_changed_);
+  for (const TileIndex& index : changed)  // a face beside a tile's edge is the next tile's too
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) wanted.insert({index.first + dx, index.second + dy});
   visual_changed_.clear();
-  for (const TileIndex& index : changed) {
+  for (const TileIndex& index : wanted) {
     const bool seen = find(lidar_.map(), index) != nullptr || find(visual_, index) != nullptr;
-    Tile tile = !seen ? empty_tile(index, resolution_m, newest_us_)
-                      : encode_fused_tile({0, index.first, index.second, 0}, fuse_tile(index),
-                                          resolution_m, 0, newest_us_);
+    if (!seen && fused_.erase(index) == 0) continue;
+    Tile tile = empty_tile(index, resolution_m, newest_us_);
+    if (seen) {
+      const FusedCells cells = fuse_tile(index);
+      const auto [held, made] = fused_.try_emplace(index, cells);
+      if (!made && held->second == cells) continue;
+      held->second = cells;
+      tile = encode_fused_tile(tile.key, cells, resolution_m, 0, newest_us_);
+    }
     if (auto fresh = fused_tiles_.offer(std::move(tile))) output.fused.push_back(std::move(*fresh));
   }
-  published_us_ = newest_us_;
   return output;
+}
+
+bool Fuser::free_near(const TileCells& cells, const TileIndex& index, int x, int y,
+                      int reach) const {
+  for (int yy = y - reach; yy <= y + reach; ++yy)
+    for (int xx = x - reach; xx <= x + reach; ++xx) {
+      const bool inside = xx >= 0 && yy >= 0 && xx < kTileCells && yy < kTileCells;
+      const std::uint8_t cell =
+          inside ? cells[static_cast<std::size_t>(yy * kTileCells + xx)]
+                 : lidar_.map().at(index.first * kTileCells + xx, index.second * kTileCells + yy);
+      if (state_of_cell(cell) == CellState::kUnoccupied) return true;
+    }
+  return false;
+}
+
+// The LiDAR's cell; without a verdict where it says occupied just behind the face of an obstacle:
+// nothing can be seen through the face, so that is the noise of ranges.
+std::uint8_t Fuser::lidar_cell(const TileCells& cells, const TileIndex& index, int x, int y) const {
+  const std::uint8_t cell = cells[static_cast<std::size_t>(y * kTileCells + x)];
+  if (state_of_cell(cell) != CellState::kOccupied || free_near(cells, index, x, y, kFaceCells) ||
+      !free_near(cells, index, x, y, kTailCells))
+    return cell;
+  return cell_from_probability(0.5);
 }
 
 FusedCells Fuser::fuse_tile(const TileIndex& index) const {
@@ -92,8 +136,10 @@ FusedCells Fuser::fuse_tile(const TileIndex& index) const {
   const TileCells* camera = find(visual_, index);
   FusedCells fused;
   for (std::size_t i = 0; i < fused.probability.size(); ++i) {
-    const FusedCell cell = fuse_cells(lidar == nullptr ? kUnknownCell : (*lidar)[i],
-                                      camera == nullptr ? kUnknownCell : (*camera)[i]);
+    const int x = static_cast<int>(i % kTileCells), y = static_cast<int>(i / kTileCells);
+    const FusedCell cell =
+        fuse_cells(lidar == nullptr ? kUnknownCell : lidar_cell(*lidar, index, x, y),
+                   camera == nullptr ? kUnknownCell : (*camera)[i]);
     fused.probability[i] = cell.probability;
     fused.provenance[i] = static_cast<std::uint8_t>(cell.provenance);
   }

@@ -4,14 +4,15 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <vector>
 
 #include "libs/geometry/pose.hpp"
 #include "libs/grid/fused_tile.hpp"
+#include "libs/grid/grid_mosaic.hpp"
 #include "libs/submaps/changed_tiles.hpp"
-#include "libs/submaps/grid_composer.hpp"
 #include "libs/tiles/tile.hpp"
 #include "services/fuser/config.hpp"
 
@@ -33,21 +34,28 @@ class Fuser {
   // Where the graph has the LiDAR node that a submap hangs on.
   void set_anchor(std::int64_t submap_id, const SE3& T_map_submap, std::int64_t utime_us);
 
-  // True when enough has happened (in the inputs' time) to publish again.
-  bool due() const;
-  // compose -> fuse -> what changed. `exact` places submaps without slack: for the final map.
+  // True when there is something to publish: the camera's tiles at once, the LiDAR's submaps once
+  // in a publish_period_us of the inputs' time.
+  bool due() const { return !visual_changed_.empty() || lidar_due(); }
+  // compose -> fuse -> what changed. `exact` composes what isn't due yet, and places submaps
+  // without slack: for the final map.
   FuserOutput update(bool exact);
 
  private:
+  bool lidar_due() const;
   FusedCells fuse_tile(const TileIndex& index) const;
+  bool free_near(const TileCells& cells, const TileIndex& index, int x, int y, int reach) const;
+  std::uint8_t lidar_cell(const TileCells& cells, const TileIndex& index, int x, int y) const;
 
   FuserConfig config_;
-  GridComposer lidar_;
+  GridMosaic lidar_;
   TiledGrid visual_;
   std::set<TileIndex> visual_changed_;
   std::int64_t newest_us_ = 0;
-  std::optional<std::int64_t> published_us_;
+  bool lidar_changed_ = false;
+  std::optional<std::int64_t> composed_us_;  // the LiDAR's submaps
   ChangedTiles lidar_tiles_;
+  std::map<TileIndex, FusedCells> fused_;  // as published
   ChangedTiles fused_tiles_;
 };
 

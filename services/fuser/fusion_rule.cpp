@@ -6,12 +6,17 @@ namespace fusion_slam {
 namespace {
 
 // Who is behind the verdict: the sensors that hold it; without a verdict, those that have seen the
-// cell.
+// cell. The LiDAR sees one plane: where it says unoccupied, the camera may well see a seat above it
+// or a box below it, and that is no conflict. The camera sees the whole band, the LiDAR's plane
+// too: where it says unoccupied and the LiDAR occupied, one of them is wrong, or the thing has
+// gone.
 Provenance provenance_of(std::uint8_t lidar, std::uint8_t camera, CellState verdict) {
   const CellState says_lidar = state_of_cell(lidar);
   const CellState says_camera = state_of_cell(camera);
   if (says_lidar != CellState::kUnknown && says_camera != CellState::kUnknown)
-    return says_lidar == says_camera ? Provenance::kBoth : Provenance::kConflict;
+    return says_lidar == says_camera             ? Provenance::kBoth
+           : says_camera == CellState::kOccupied ? Provenance::kCamera
+                                                 : Provenance::kConflict;
   if (verdict != CellState::kUnknown && says_lidar == verdict) return Provenance::kLidar;
   if (verdict != CellState::kUnknown && says_camera == verdict) return Provenance::kCamera;
   const bool seen_lidar = lidar != kUnknownCell;

@@ -6,85 +6,178 @@
 
 #include <gtest/gtest.h>
 
-#include "libs/octree/octomap_tile.hpp"
+#include "services/dense_mapper/base_map.hpp"
+#include "services/dense_mapper/supersede.hpp"
 
 namespace fusion_slam {
 namespace {
 
 constexpr double kResolution = 0.05;
+constexpr StepBounds kBounds{-64, 112};
 
-DenseSubmaps random_submaps() {
+// Closed submaps of random voxels, and a cloud of random points, about the map's origin.
+DenseSubmaps random_submaps(int n) {
   std::mt19937 random(6);
   DenseSubmaps submaps;
-  for (int id = 1; id <= 3; ++id) {
-    DenseSubmap& submap = submaps.emplace(id, DenseSubmap(0.025)).first->second;
+  for (int id = 1; id <= n; ++id) {
+    DenseSubmap& submap = submaps.emplace(id, DenseSubmap(kResolution / 2)).first->second;
+    std::vector<ColouredPoint> points(500);
     for (int i = 0; i < 20000; ++i)
       submap.voxels.add(static_cast<int>(random() % 40) - 20, static_cast<int>(random() % 40) - 20,
                         static_cast<int>(random() % 40) - 20,
                         static_cast<int>(random() % 200) - 100);
+    for (ColouredPoint& point : points)
+      for (int axis = 0; axis < 3; ++axis)
+        point.p_m[axis] = static_cast<float>(random() % 2000) * 1e-3F - 1.0F;
+    submap.cloud.add(points);
+    for (const auto& [index, block] : submap.voxels.blocks())
+      copy_block(index, block, kBounds.low, kBounds.high, &submap.cubes);
     submap.T_map_submap = from_xyz_rpy(0.2 * id, -0.1 * id, 0.05, 0.3 * id, 0.1, 0.7 * id);
+    close_submap(kResolution, &submap);
   }
   return submaps;
 }
 
-TEST(Compose, EqualsLookingUpEachVoxelAlone) {
-  const DenseSubmaps submaps = random_submaps();
-  const DenseMapperConfig config;
-  LatticeBox box;
-  box.low_m = Eigen::Vector3d(-1.0, -0.8, -0.6);
-  box.size = {40, 30, 20};
-  const auto fast = compose_voxels(submaps, box, config);
-  std::size_t known = 0;
-  std::size_t different = 0;
-  for (int z = 0; z < 20; ++z)
-    for (int y = 0; y < 30; ++y)
-      for (int x = 0; x < 40; ++x) {
-        int sum = 0;
-        bool seen = false;
-        for (const auto& [id, submap] : submaps) {
-          const Eigen::Vector3d centre =
-              box.low_m + Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5) * kResolution;
-          const Eigen::Vector3d p = submap.T_map_submap.inverse() * centre / kResolution;
-          const int steps = submap.voxels.at(static_cast<int>(std::floor(p.x())),
-                                             static_cast<int>(std::floor(p.y())),
-                                             static_cast<int>(std::floor(p.z())));
-          if (steps == kUnknownLogOdds) continue;
-          sum += std::clamp(steps, -64, 112);
-          seen = true;
-        }
-        const int expected = seen ? std::clamp(sum, -64, 112) : kUnknownVoxel;
-        known += seen ? 1 : 0;
-        different += fast[static_cast<std::size_t>((z * 30 + y) * 40 + x)] == expected ? 0 : 1;
-      }
-  EXPECT_GT(known, 5000U);
-  EXPECT_LE(different, 2U);  // a centre on a face may round to either side
+std::int8_t at(const VoxelCubes& cubes, const Eigen::Vector3d& p_voxels) {
+  const Eigen::Array3i v = p_voxels.array().floor().cast<int>();
+  const auto it = cubes.find({v.x() >> 5, v.y() >> 5, v.z() >> 5});
+  return it == cubes.end() ? kUnknownVoxel
+                           : (*it->second)[voxel_index(v.x() & 31, v.y() & 31, v.z() & 31)];
 }
 
-TEST(Compose, BlocksTouchTheTilesOfTheirVoxels) {
-  const SE3 T = from_xyz_rpy(0.3, -2.0, 1.0, 0.4, 0.2, 1.0);
-  const BlockIndex block{-2, 1, 0};
-  const TileRange range = tiles_of_block(block, kResolution, T, 1.6);
-  std::mt19937 random(8);
-  std::uniform_real_distribution<double> uniform(0.0, 0.8);
-  for (int i = 0; i < 1000; ++i) {
-    const Eigen::Vector3d p = Eigen::Vector3d(-1.6, 0.8, 0.0) +
-                              Eigen::Vector3d(uniform(random), uniform(random), uniform(random));
-    const Eigen::Array3i tile = ((T * p) / 1.6).array().floor().cast<int>();
-    EXPECT_TRUE((tile >= range.low.array()).all() && (tile <= range.high.array()).all());
+TEST(Compose, EqualsLookingUpEachVoxelAlone) {
+  const DenseSubmaps submaps = random_submaps(3);
+  for (const CubeIndex& cube : {CubeIndex{0, 0, 0}, CubeIndex{-1, -1, -1}, CubeIndex{0, -1, 0}}) {
+    VoxelCells fast;
+    fast.fill(kUnknownVoxel);
+    VoxelCells slow = fast;
+    for (const auto& [id, submap] : submaps) {
+      const VoxelCubes cubes = unpack_cubes(submap.packed);
+      const SE3 T_submap_map = submap.T_map_submap.inverse();
+      add_submap(cubes, T_submap_map, cube, kResolution, kBounds, {3, 29}, &fast);
+      for (int z = 3; z < 29; ++z)
+        for (int y = 0; y < 32; ++y)
+          for (int x = 0; x < 32; ++x) {
+            const Eigen::Vector3d centre(32 * cube.x + x + 0.5, 32 * cube.y + y + 0.5,
+                                         32 * cube.z + z + 0.5);
+            std::int8_t& sum = slow[voxel_index(x, y, z)];
+            sum = add_clamped(sum, at(cubes, T_submap_map * (centre * kResolution) / kResolution),
+                              kBounds.low, kBounds.high);
+          }
+    }
+    std::size_t known = 0;
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < fast.size(); ++i) {
+      known += slow[i] == kUnknownVoxel ? 0 : 1;
+      different += fast[i] == slow[i] ? 0 : 1;
+    }
+    EXPECT_GT(known, 300U);
+    EXPECT_LE(different, 5U);  // a centre on a face may round to either side
   }
 }
 
-TEST(Compose, CloudPointsGoToTheirTiles) {
+TEST(Compose, BoxesTouchTheCubesOfTheirPoints) {
+  const SE3 T = from_xyz_rpy(0.3, -2.0, 1.0, 0.4, 0.2, 1.0);
+  const Eigen::Vector3d low(-1.6, 0.8, 0.0);
+  std::set<CubeIndex> touched;
+  insert_touched(low, low + Eigen::Vector3d::Constant(0.8), T, 1.6, &touched);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(0.0, 0.8);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d p =
+        low + Eigen::Vector3d(uniform(random), uniform(random), uniform(random));
+    const Eigen::Array3i cube = ((T * p) / 1.6).array().floor().cast<int>();
+    EXPECT_EQ(touched.count({cube.x(), cube.y(), cube.z()}), 1U);
+  }
+}
+
+TEST(BaseMap, ExtendingEqualsRebuilding) {
+  const DenseSubmaps submaps = random_submaps(4);
+  BaseMap grown(kResolution, kResolution / 2, kBounds);
+  std::set<CubeIndex> cubes;
+  for (const auto& [id, submap] : submaps) {
+    grown.extend(submap);
+    cubes.insert(submap.touches.begin(), submap.touches.end());
+  }
+  BaseMap built(kResolution, kResolution / 2, kBounds);
+  built.rebuild(cubes, submaps, 100);
+  std::size_t points = 0;
+  for (const CubeIndex& cube : cubes) {
+    EXPECT_TRUE(grown.cells(cube) == built.cells(cube));
+    for (const TileKey& key : cloud_tiles_of(cube)) points += built.points(key).size();
+  }
+  EXPECT_GT(points, 1000U);
+  EXPECT_EQ(grown.clouds(), built.clouds());
+  EXPECT_EQ(grown.size_bytes(), built.size_bytes());
+  built.rebuild(cubes, submaps, 1);  // of none
+  EXPECT_EQ(built.size_bytes(), 0U);
+}
+
+TEST(BaseMap, OnePointAVoxelAndEachInItsTile) {
+  DenseSubmaps submaps = random_submaps(2);
+  BaseMap map(kResolution, kResolution / 2, kBounds);
+  for (const auto& [id, submap] : submaps) map.extend(submap);
+  for (const auto& [key, bytes] : map.clouds()) {
+    std::set<std::size_t> voxels;
+    for (const ColouredPoint& point : map.points(key)) {
+      EXPECT_EQ(cloud_tile_of(0, point.p_m.cast<double>(), kResolution / 2), key);
+      voxels.insert(cloud_voxel_of(key, point.p_m.cast<double>(), kResolution / 2));
+    }
+    // Rounding to 1/65536 of the tile may move a point over a face.
+    EXPECT_GE(voxels.size() + 2, map.points(key).size());
+  }
+}
+
+TEST(DenseSubmap, OpensAgainAsItWasClosed) {
+  DenseSubmaps submaps = random_submaps(1);
+  DenseSubmap& submap = submaps.at(1);
+  const PackedCubes packed = submap.packed;
+  open_submap(&submap);
+  EXPECT_FALSE(submap.closed);
+  EXPECT_GT(submap.voxels.blocks().size(), 0U);
+  EXPECT_GT(submap.cloud.size(), 400U);
+  close_submap(kResolution, &submap);
+  EXPECT_EQ(submap.packed, packed);
+}
+
+// The same place again and again: what is kept stops growing.
+TEST(Supersede, OldVoxelsGoWhenEnoughNewerOnesKnowThem) {
   DenseSubmaps submaps;
-  DenseSubmap& submap = submaps.emplace(1, DenseSubmap(0.025)).first->second;
-  ColouredPoint point;
-  point.p_m = {0.1F, 0.1F, 0.1F};
-  submap.cloud.add({point});
-  submap.T_map_submap.translation() = Eigen::Vector3d(1.0, 0.0, 0.0);
-  EXPECT_TRUE(compose_cloud(submaps, {{0, 0, 0, 0}}, 0.025).empty());
-  const auto tiles = compose_cloud(submaps, {{0, 0, 0, 0}, {0, 1, 0, 0}}, 0.025);
-  ASSERT_EQ(tiles.size(), 1U);
-  EXPECT_NEAR(tiles.at({0, 1, 0, 0}).at(0).p_m.x(), 1.1F, 1e-4);
+  std::size_t most = 0;
+  for (int id = 1; id <= 40; ++id) {
+    DenseSubmap& submap = submaps.emplace(id, DenseSubmap(kResolution / 2)).first->second;
+    for (int i = 0; i < 1000; ++i) submap.voxels.add(i % 10, i / 10 % 10, i / 100, 50);
+    for (const auto& [index, block] : submap.voxels.blocks())
+      copy_block(index, block, kBounds.low, kBounds.high, &submap.cubes);
+    ColouredPoint point;
+    point.p_m = {0.21F, 0.22F, 0.23F};
+    submap.cloud.add({point});
+    close_submap(kResolution, &submap);
+    if (const std::int64_t old = count_newer(id, 8, &submaps))
+      drop_superseded(old, 4, kResolution, kResolution / 2, &submaps);
+    std::size_t held = 0;
+    for (const auto& [other, s] : submaps) held += s.packed.empty() ? 0 : 1;
+    most = std::max(most, held);
+  }
+  EXPECT_LE(most, 9U);
+  EXPECT_TRUE(submaps.at(1).packed.empty());
+  EXPECT_TRUE(submaps.at(1).packed_cloud.empty());
+  EXPECT_FALSE(submaps.at(40).packed.empty());
+}
+
+TEST(Supersede, WhatOnlyTheOldOneKnowsStays) {
+  DenseSubmaps submaps;
+  for (int id = 1; id <= 9; ++id) {
+    DenseSubmap& submap = submaps.emplace(id, DenseSubmap(kResolution / 2)).first->second;
+    for (int x = 0; x < (id == 1 ? 20 : 10); ++x) submap.voxels.add(x, 0, 0, 50);
+    for (const auto& [index, block] : submap.voxels.blocks())
+      copy_block(index, block, kBounds.low, kBounds.high, &submap.cubes);
+    close_submap(kResolution, &submap);
+  }
+  EXPECT_FALSE(drop_superseded(1, 4, kResolution, kResolution / 2, &submaps));
+  const VoxelCubes left = unpack_cubes(submaps.at(1).packed);
+  for (int x = 0; x < 20; ++x)
+    EXPECT_EQ(at(left, Eigen::Vector3d(x + 0.5, 0.5, 0.5)), x < 10 ? kUnknownVoxel : 50) << x;
 }
 
 }  // namespace

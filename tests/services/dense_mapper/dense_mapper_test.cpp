@@ -170,5 +170,85 @@ TEST(DenseMapper, WaitsForPosesAndRefusesWhatDoesNotFit) {
   EXPECT_EQ(mapper.integrated(), 1U);
 }
 
+TEST(DenseMapper, ALateKeyframeIsNotLost) {
+  const World world;
+  DenseMapper late = world.mapper();
+  Maps maps;
+  for (const auto& [id, T] : world.poses) {
+    late.set_pose(id, T, 1000 * id);
+    if (id == 3) continue;
+    late.add_keyframe(id, world.frame(id));
+    late.integrate_ready();
+    maps.take(late.update(false));
+  }
+  maps.take(late.update(true));
+  late.add_keyframe(3, world.frame(3));
+  late.integrate_ready();
+  EXPECT_TRUE(late.due());
+  maps.take(late.update(true));
+  EXPECT_EQ(late.integrated(), world.poses.size());
+  const Maps expected = map_in_order(world, world.poses);
+  EXPECT_EQ(maps.grid.size(), expected.grid.size());
+  EXPECT_TRUE(maps.surface_at(2.5, 0.3));
+}
+
+// The box is taken away; the camera looks where it was. At 2 to 3 keyframes a second ten are 5 s.
+TEST(DenseMapper, WhatTheCameraSeesThroughGoes) {
+  const World world;
+  DenseMapper mapper = world.mapper();
+  Maps maps;
+  const auto look = [&](std::int64_t id, bool box) {
+    const SE3 T = to_se3(SE2{-1.0 + 0.02 * static_cast<double>(id % 5), 0.0, 0.0});
+    const SE3 T_room_camera = T * world.robot.T_base_camera;
+    mapper.add_keyframe(id, box ? render_room(T_room_camera, world.camera, id)
+                                : render_room(T_room_camera, world.camera, id, false));
+    mapper.set_pose(id, T, 100'000 * id);
+    mapper.integrate_ready();
+    maps.take(mapper.update(false));
+  };
+  for (std::int64_t id = 1; id <= 20; ++id) look(id, true);
+  for (const double y : {-0.1, 0.0, 0.1}) EXPECT_TRUE(maps.surface_at(1.5, y));
+  std::size_t before = 0, after = 0;
+  const auto count = [&] {
+    std::size_t n = 0;
+    for (const auto& [key, tile] : maps.cloud) {
+      const auto points = decode_cloud_tile(tile);
+      if (!points) continue;
+      n += static_cast<std::size_t>(
+          std::count_if(points->begin(), points->end(), [](const ColouredPoint& point) {
+            return std::abs(point.p_m.x() - 1.5F) < 0.04F && std::abs(point.p_m.y()) < 0.15F &&
+                   point.p_m.z() > 0.1F;
+          }));
+    }
+    return n;
+  };
+  before = count();
+  for (std::int64_t id = 21; id <= 35; ++id) look(id, false);
+  for (const double y : {-0.1, 0.0, 0.1}) EXPECT_FALSE(maps.surface_at(1.5, y)) << y;
+  maps.take(mapper.update(true));
+  after = count();
+  EXPECT_GT(before, 8U);
+  EXPECT_LE(after, 1U);
+}
+
+// Round and round in one room: what is kept grows much less than time, which doubles here.
+TEST(DenseMapper, MemoryIsBoundedByTheArea) {
+  const World world;
+  DenseMapper mapper = world.mapper();
+  std::size_t at_half = 0;
+  for (std::int64_t id = 1; id <= 180; ++id) {  // 36 submaps of one place
+    const SE3 T = to_se3(
+        SE2{-1.2 + 0.15 * static_cast<double>(id % 7), 0.0, 0.1 * static_cast<double>(id % 3 - 1)});
+    mapper.add_keyframe(id, render_room(T * world.robot.T_base_camera, world.camera, id));
+    mapper.set_pose(id, T, 400'000 * id);
+    mapper.integrate_ready();
+    mapper.update(false);
+    if (id == 90) at_half = mapper.submap_bytes() + mapper.map_bytes();
+  }
+  EXPECT_GT(at_half, 0U);
+  EXPECT_LT(static_cast<double>(mapper.submap_bytes() + mapper.map_bytes()),
+            1.5 * static_cast<double>(at_half));
+}
+
 }  // namespace
 }  // namespace fusion_slam

@@ -16,6 +16,7 @@ DepthCloud one_point(float x, float y, float z) {
   ColouredPoint p;
   p.p_m = {x, y, z};
   cloud.points = {p};
+  cloud.sparse = {0};
   return cloud;
 }
 
@@ -35,7 +36,7 @@ TEST(DenseSubmap, RayFreesUntilItsEnd) {
   DenseSubmap submap(0.025);
   // Camera at the origin looks along z; the point lies in the middle of voxel (0, 0, 20).
   const auto blocks = integrate_cloud(one_point(0.025F, 0.025F, 1.025F), SE3::Identity(), camera,
-                                      kResolution, config, &submap);
+                                      kResolution, config, true, &submap);
   EXPECT_EQ(submap.voxels.at(0, 0, 20), hit_steps(1.025, camera, kResolution, config));
   for (int z = 1; z < 19; ++z) EXPECT_EQ(submap.voxels.at(0, 0, z), miss_steps(config)) << z;
   EXPECT_EQ(submap.voxels.at(0, 0, 21), kUnknownLogOdds);
@@ -51,9 +52,10 @@ TEST(DenseSubmap, AVoxelCountsOnceAKeyframeAndHitsWin) {
   for (const float z : {1.02F, 1.03F, 2.0F})
     cloud.points.push_back(one_point(0.02F, 0.02F, z).points[0]);
   DenseSubmap submap(0.025);
-  integrate_cloud(cloud, SE3::Identity(), camera, kResolution, config, &submap);
+  integrate_cloud(cloud, SE3::Identity(), camera, kResolution, config, true, &submap);
   EXPECT_EQ(submap.voxels.at(0, 0, 20), hit_steps(1.01, camera, kResolution, config));
-  integrate_cloud(cloud, SE3::Identity(), camera, kResolution, config, &submap);  // equation 4
+  integrate_cloud(cloud, SE3::Identity(), camera, kResolution, config, true,
+                  &submap);  // equation 4
   EXPECT_EQ(submap.voxels.at(0, 0, 20), 2 * hit_steps(1.01, camera, kResolution, config));
 }
 

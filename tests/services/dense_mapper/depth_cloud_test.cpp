@@ -18,10 +18,10 @@ TEST(DepthCloud, PointsAreEquation2) {
   const CameraModel camera = small_camera();
   const DepthCloud cloud = make_depth_cloud(flat(camera, 2000), camera, 0.05, {});
   ASSERT_GT(cloud.points.size(), 1000U);
-  // The first sampled pixel that is not at the image's rim: (4, 4).
+  // The first sampled pixel that is not at the image's rim: (2, 2).
   const Eigen::Vector3f& p = cloud.points.front().p_m;
-  EXPECT_NEAR(p.x(), (4 - 79.5) / 131.0 * 2.0, 1e-5);
-  EXPECT_NEAR(p.y(), (4 - 59.5) / 131.0 * 2.0, 1e-5);
+  EXPECT_NEAR(p.x(), (2 - 79.5) / 131.0 * 2.0, 1e-5);
+  EXPECT_NEAR(p.y(), (2 - 59.5) / 131.0 * 2.0, 1e-5);
   EXPECT_FLOAT_EQ(p.z(), 2.0F);
   EXPECT_EQ(cloud.points.front().r, 3);
   EXPECT_EQ(cloud.points.front().b, 1);

@@ -25,7 +25,8 @@ inline CameraModel small_camera() {
 }
 
 // Distance along the ray to the room, in multiples of `direction`.
-inline double hit_room(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+inline double hit_room(const Eigen::Vector3d& from, const Eigen::Vector3d& direction,
+                       bool with_box) {
   double t = std::numeric_limits<double>::infinity();
   if (direction.z() < 0.0) t = std::min(t, -from.z() / direction.z());
   if (direction.x() > 0.0) t = std::min(t, (2.5 - from.x()) / direction.x());
@@ -35,12 +36,12 @@ inline double hit_room(const Eigen::Vector3d& from, const Eigen::Vector3d& direc
   const Eigen::Array3d b = (high - from.array()) / direction.array();
   const double enter = a.min(b).maxCoeff();
   const double leave = a.max(b).minCoeff();
-  if (enter > 0.0 && enter < leave) t = std::min(t, enter);
+  if (with_box && enter > 0.0 && enter < leave) t = std::min(t, enter);
   return t;
 }
 
 inline RgbdFrame render_room(const SE3& T_room_camera, const CameraModel& camera,
-                             std::int64_t utime_us) {
+                             std::int64_t utime_us, bool with_box = true) {
   RgbdFrame frame;
   frame.utime_us = utime_us;
   frame.colour_bgr = cv::Mat(camera.height_px, camera.width_px, CV_8UC3, cv::Scalar(10, 20, 30));
@@ -48,7 +49,7 @@ inline RgbdFrame render_room(const SE3& T_room_camera, const CameraModel& camera
   for (int v = 0; v < camera.height_px; ++v)
     for (int u = 0; u < camera.width_px; ++u) {
       const Eigen::Vector3d ray = T_room_camera.linear() * camera.unproject(u, v, 1.0);
-      const double z_m = hit_room(T_room_camera.translation(), ray);
+      const double z_m = hit_room(T_room_camera.translation(), ray, with_box);
       if (z_m < 20.0)
         frame.depth_mm.at<std::uint16_t>(v, u) =
             static_cast<std::uint16_t>(std::lround(z_m * 1000));

@@ -88,15 +88,67 @@ TEST(Fuser, MovedAnchorEmptiesTheTilesItLeft) {
   EXPECT_EQ(output.fused[1].key.x, 10);
 }
 
-TEST(Fuser, ThrottledByTheInputsTime) {
+TEST(Fuser, CameraAtOnceLidarThrottledByTheInputsTime) {
   Fuser fuser(kResolution, FuserConfig{});
+  EXPECT_FALSE(fuser.due());  // nothing to say
+  fuser.add_submap_tile(tile(1, 0, 0, all(0.8), 10'000'000));
+  fuser.set_anchor(1, SE3::Identity(), 10'000'000);
   EXPECT_TRUE(fuser.due());
-  fuser.add_visual_tile(tile(0, 0, 0, all(0.8), 10'000'000));
-  fuser.update(false);
-  fuser.add_visual_tile(tile(0, 1, 0, all(0.8), 10'900'000));
+  EXPECT_EQ(fuser.update(false).lidar.size(), 1U);
+  fuser.add_submap_tile(tile(1, 1, 0, all(0.8), 10'900'000));
   EXPECT_FALSE(fuser.due());
-  fuser.add_visual_tile(tile(0, 2, 0, all(0.8), 11'000'000));
+  fuser.add_visual_tile(tile(0, 1, 0, all(0.8), 10'900'000));
   EXPECT_TRUE(fuser.due());
+  const FuserOutput visual = fuser.update(false);
+  EXPECT_TRUE(visual.lidar.empty());
+  EXPECT_EQ(visual.fused.size(), 1U);
+  EXPECT_FALSE(fuser.due());
+  fuser.add_submap_tile(tile(1, 2, 0, all(0.8), 11'000'000));
+  EXPECT_TRUE(fuser.due());
+  EXPECT_EQ(fuser.update(false).lidar.size(), 2U);
+}
+
+// The submaps' ids say which is newer.
+TEST(Fuser, WhatTheLidarSeesThroughGoes) {
+  Fuser fuser(kResolution, FuserConfig{});
+  for (int id = 1; id <= 6; ++id) {
+    fuser.add_submap_tile(tile(id, 0, 0, all(0.97), id));
+    fuser.set_anchor(id, SE3::Identity(), id);
+  }
+  Held held;
+  hold(fuser.update(true).fused, &held);
+  EXPECT_EQ(state_of_cell(decode_fused_tile(held.begin()->second)->probability[0]),
+            CellState::kOccupied);
+  for (int id = 7; id <= 8; ++id) {
+    fuser.add_submap_tile(tile(id, 0, 0, all(0.12), id));
+    fuser.set_anchor(id, SE3::Identity(), id);
+  }
+  hold(fuser.update(true).fused, &held);
+  EXPECT_NE(state_of_cell(decode_fused_tile(held.begin()->second)->probability[0]),
+            CellState::kOccupied);
+}
+
+// Free up to x = 9, then occupied cells: the face and one more stay, the tail of the noise goes,
+// also across a tile's edge; what is far from anything free stays, nobody knows better.
+TEST(Fuser, NothingIsSeenBehindAFace) {
+  Fuser fuser(kResolution, FuserConfig{});
+  TileCells cells = all(0.9);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 62; ++x)
+      cells[static_cast<std::size_t>(y * 64 + x)] = cell_from_probability(0.1);
+  fuser.add_submap_tile(tile(1, 0, 0, cells, 5));
+  fuser.add_submap_tile(tile(1, 1, 0, all(0.9), 5));
+  fuser.set_anchor(1, SE3::Identity(), 5);
+  Held held;
+  hold(fuser.update(true).fused, &held);
+  const auto state = [&](int x) {
+    const auto fused = decode_fused_tile(held.at({0, x >> 6, 0, 0}));
+    return state_of_cell(fused->probability[static_cast<std::size_t>(30 * 64 + (x & 63))]);
+  };
+  EXPECT_EQ(state(61), CellState::kUnoccupied);
+  for (const int x : {62, 63}) EXPECT_EQ(state(x), CellState::kOccupied) << x;
+  for (const int x : {64, 65, 66}) EXPECT_EQ(state(x), CellState::kUnknown) << x;
+  for (const int x : {67, 90}) EXPECT_EQ(state(x), CellState::kOccupied) << x;
 }
 
 TEST(Fuser, DamagedAndForeignTilesAreRefused) {

@@ -18,7 +18,7 @@ TEST(FusionRule, Table1AsWritten) {
   const Row table[] = {
       // LiDAR, camera: the paper's rows are the camera's, its columns the LiDAR's
       {kOccupied, kOccupied, CellState::kOccupied, Provenance::kBoth},
-      {kFree, kOccupied, CellState::kOccupied, Provenance::kConflict},
+      {kFree, kOccupied, CellState::kOccupied, Provenance::kCamera},
       {kUnknownCell, kOccupied, CellState::kOccupied, Provenance::kCamera},
       {kOccupied, kFree, CellState::kOccupied, Provenance::kConflict},
       {kFree, kFree, CellState::kUnoccupied, Provenance::kBoth},
@@ -43,6 +43,28 @@ TEST(FusionRule, Equation8ByHand) {
   EXPECT_DOUBLE_EQ(fuse_probabilities(0.0, 1.0), 0.5);
   EXPECT_EQ(fuse_cells(cell_from_probability(0.7), cell_from_probability(0.8)).probability,
             cell_from_probability(0.56 / 0.62));
+}
+
+// 0.8 and 0.3, with odds: 4 * 3/7 = 12/7, so P = 12/19.
+TEST(FusionRule, Equation8InOddsByHand) {
+  EXPECT_NEAR(fuse_probabilities(0.8, 0.3), 12.0 / 19.0, 1e-15);
+}
+
+TEST(FusionRule, Equation8IsCommutativeAndAssociative) {
+  for (int a = 1; a < 20; ++a)
+    for (int b = 1; b < 20; ++b)
+      for (int c = 1; c < 20; ++c) {
+        const double pa = a / 20.0, pb = b / 20.0, pc = c / 20.0;
+        ASSERT_DOUBLE_EQ(fuse_probabilities(pa, pb), fuse_probabilities(pb, pa));
+        ASSERT_NEAR(fuse_probabilities(fuse_probabilities(pa, pb), pc),
+                    fuse_probabilities(pa, fuse_probabilities(pb, pc)), 1e-12);
+      }
+}
+
+// A seat above the LiDAR's plane, a box below it: the camera says so, nobody contradicts.
+TEST(FusionRule, OnlyTheCameraCanContradict) {
+  EXPECT_EQ(fuse_cells(kFree, kOccupied).provenance, Provenance::kCamera);
+  EXPECT_EQ(fuse_cells(kOccupied, kFree).provenance, Provenance::kConflict);
 }
 
 TEST(FusionRule, UnknownLeavesTheOtherSensorsByte) {
