@@ -62,7 +62,7 @@ class BandReader {
     return around_[static_cast<std::size_t>(((y >> 5) + 1) * 3 + (x >> 5) + 1)];
   }
   static std::size_t cell(int x, int y) {
-    return static_cast<std::size_t>((y & 31) * kOctomapTileVoxels + (x & 31));
+    return static_cast<std::size_t>(y & 31) * kOctomapTileVoxels + static_cast<std::size_t>(x & 31);
   }
   std::array<const ColumnRaster*, 9> around_{};
 };
@@ -194,7 +194,7 @@ ColumnCells raster_column(const ColumnRasters& rasters, const ColumnIndex& index
   ColumnCells cells;
   for (int y = 0; y < kOctomapTileVoxels; ++y)
     for (int x = 0; x < kOctomapTileVoxels; ++x) {
-      const auto i = static_cast<std::size_t>(y * kOctomapTileVoxels + x);
+      const auto i = static_cast<std::size_t>(y) * kOctomapTileVoxels + static_cast<std::size_t>(x);
       cells[i] = own.cell(i, band_voxels);
       if (own.occupied(i) != 0 || own.known(i) == 0) continue;
       const std::uint32_t unseen = ~own.known(i) & all;

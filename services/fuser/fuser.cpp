@@ -114,7 +114,7 @@ bool Fuser::free_near(const TileCells& cells, const TileIndex& index, int x, int
     for (int xx = x - reach; xx <= x + reach; ++xx) {
       const bool inside = xx >= 0 && yy >= 0 && xx < kTileCells && yy < kTileCells;
       const std::uint8_t cell =
-          inside ? cells[static_cast<std::size_t>(yy * kTileCells + xx)]
+          inside ? cells[static_cast<std::size_t>(yy) * kTileCells + static_cast<std::size_t>(xx)]
                  : lidar_.map().at(index.first * kTileCells + xx, index.second * kTileCells + yy);
       if (state_of_cell(cell) == CellState::kUnoccupied) return true;
     }
@@ -124,7 +124,8 @@ bool Fuser::free_near(const TileCells& cells, const TileIndex& index, int x, int
 // The LiDAR's cell; without a verdict where it says occupied just behind the face of an obstacle:
 // nothing can be seen through the face, so that is the noise of ranges.
 std::uint8_t Fuser::lidar_cell(const TileCells& cells, const TileIndex& index, int x, int y) const {
-  const std::uint8_t cell = cells[static_cast<std::size_t>(y * kTileCells + x)];
+  const std::uint8_t cell =
+      cells[static_cast<std::size_t>(y) * kTileCells + static_cast<std::size_t>(x)];
   if (state_of_cell(cell) != CellState::kOccupied || free_near(cells, index, x, y, kFaceCells) ||
       !free_near(cells, index, x, y, kTailCells))
     return cell;
