@@ -157,8 +157,10 @@ Outcome<ResampledMap> resample(const MapRaster& reference, const MapRaster& esti
     for (int column = 0; column < estimate.width; ++column) {
       if (reference_at(estimate, column, row) != CellState::kOccupied) continue;
       for (int i = 0; i < parts * parts; ++i) {
-        const Eigen::Vector2i cell = cell_of(
-            in_reference(column + (i % parts + 0.5) / parts, row + (i / parts + 0.5) / parts));
+        const int part_x = i % parts;
+        const int part_y = i / parts;
+        const Eigen::Vector2i cell =
+            cell_of(in_reference(column + (part_x + 0.5) / parts, row + (part_y + 0.5) / parts));
         map.cells[std::size_t(cell.y() - low.y()) * std::size_t(map.width) +
                   std::size_t(cell.x() - low.x())] = CellState::kOccupied;
       }
