@@ -20,7 +20,18 @@ double gate(const Correspondence& match, const RefineConfig& config) {
   return match.depth_m > 0.0 ? config.gate_3d : config.gate_2d;
 }
 
-// Sums over the matches in use; Huber's loss on the chi square of each (kernel width: the gate).
+// Huber's loss on the chi square r . r when robust (kernel width: the gate).
+void add(const Eigen::Vector3d& r, const ResidualJacobian& J, double limit, bool robust,
+         NormalEquations* sum) {
+  const double chi2 = r.squaredNorm();
+  const bool outside = robust && chi2 > limit;
+  const double weight = outside ? std::sqrt(limit / chi2) : 1.0;
+  sum->cost += outside ? 2.0 * std::sqrt(limit * chi2) - limit : chi2;
+  sum->H.noalias() += weight * J.transpose() * J;
+  sum->b.noalias() += weight * J.transpose() * r;
+}
+
+// Sums over the matches in use, and the planar prior.
 NormalEquations accumulate(const CameraModel& camera, const std::vector<Correspondence>& matches,
                            const std::vector<bool>& use, const SE3& T, const RefineConfig& config,
                            bool robust) {
@@ -34,12 +45,11 @@ NormalEquations accumulate(const CameraModel& camera, const std::vector<Correspo
       sum.cost += 100.0 * limit;  // a step that puts points behind the camera is a bad step
       continue;
     }
-    const double chi2 = r.squaredNorm();
-    const bool outside = robust && chi2 > limit;
-    const double weight = outside ? std::sqrt(limit / chi2) : 1.0;
-    sum.cost += outside ? 2.0 * std::sqrt(limit * chi2) - limit : chi2;
-    sum.H.noalias() += weight * J.transpose() * J;
-    sum.b.noalias() += weight * J.transpose() * r;
+    add(r, J, limit, robust, &sum);
+  }
+  if (config.planar) {
+    r = planar_prior_residual(*config.planar, T, &J);
+    add(r, J, config.gate_3d, true, &sum);
   }
   return sum;
 }

@@ -3,12 +3,14 @@
 // observations); Huber 1964; Levenberg-Marquardt as in Madsen et al. 2004.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "libs/camera/camera_model.hpp"
 #include "libs/features/correspondence.hpp"
+#include "libs/features/planar_prior.hpp"
 #include "libs/geometry/pose.hpp"
 
 namespace fusion_slam {
@@ -18,6 +20,7 @@ struct RefineConfig {
   int iterations = 8;     // of a round at most
   double gate_2d = 5.99;  // chi square, 95 %, 2 degrees of freedom: matches without depth
   double gate_3d = 7.81;  // 3 degrees of freedom
+  std::optional<PlanarPrior> planar;  // a base that stays on the reference's z = 0
 };
 
 struct RefinedPose {

@@ -71,4 +71,18 @@ bool ObservationCost::Evaluate(const double* const* parameters, double* residual
   return true;
 }
 
+bool PlanarPriorCost::Evaluate(const double* const* parameters, double* residuals,
+                               double** jacobians) const {
+  const bool wanted = jacobians != nullptr && jacobians[0] != nullptr;
+  PlanarJacobian by_pose;
+  Eigen::Map<Eigen::Vector3d> out(residuals);
+  out =
+      planar_prior_residual(prior_, from_camera_block(parameters[0]), wanted ? &by_pose : nullptr);
+  if (!wanted) return true;
+  Eigen::Map<RowMajor<3, 7>> J(jacobians[0]);
+  J.leftCols<6>() = by_pose;
+  J.col(6).setZero();
+  return true;
+}
+
 }  // namespace fusion_slam

@@ -9,6 +9,7 @@
 
 #include "libs/camera/camera_model.hpp"
 #include "libs/features/correspondence.hpp"
+#include "libs/features/planar_prior.hpp"
 #include "libs/geometry/pose.hpp"
 
 namespace fusion_slam {
@@ -44,6 +45,17 @@ class ObservationCost final : public ceres::SizedCostFunction<3, 7, 3> {
  private:
   const CameraModel& camera_;
   Correspondence seen_;
+};
+
+// planar_prior_residual() of a moving keyframe's pose.
+class PlanarPriorCost final : public ceres::SizedCostFunction<3, 7> {
+ public:
+  explicit PlanarPriorCost(const PlanarPrior& prior) : prior_(prior) {}
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  PlanarPrior prior_;
 };
 
 }  // namespace fusion_slam

@@ -7,6 +7,7 @@
 #include "libs/features/orb_extractor.hpp"
 #include "libs/features/pose_refiner.hpp"
 #include "libs/features/rigid_ransac.hpp"
+#include "services/visual_odometry/surface_tracking.hpp"
 
 namespace fusion_slam {
 
@@ -26,6 +27,13 @@ struct VisualOdometryConfig {
   RefineConfig refine;
   RansacConfig ransac;
   MatchConfig relocalisation;
+
+  // Before a bare wall surfaces and the speed carry the pose on. An image full of features that
+  // nobody knows is another place, however alike its surfaces. The speed is what is left along a
+  // wall: after this time it says nothing any more.
+  SurfaceConfig surfaces;
+  double carry_features = 0.25;  // of orb.n_features: more of them is no bare wall
+  std::int64_t carry_us = 2'000'000;
 
   // States.
   int min_inliers_ok = 40;                  // fewer: WEAK
@@ -65,7 +73,10 @@ struct VisualOdometryConfig {
   int trial_found = 4;           // or in so many frames
   int redundant_views = 3;       // of a landmark, by other keyframes
   double redundant_share = 0.9;  // of a keyframe's landmarks
-  // The LiDAR's part. Each switch off: an ablation.
+
+  // Each switch off: an ablation. The LiDAR's part:
+  bool use_surfaces = true;
+  bool use_planar = true;  // the floor, when ROBOT_MODEL says planar
   bool use_lidar_depth = true;
   bool use_lidar_motion = true;
   std::int64_t scan_age_us = 150'000;  // older scans say nothing about this frame

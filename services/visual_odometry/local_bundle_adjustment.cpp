@@ -118,7 +118,11 @@ void solve(const CameraModel& camera, const VisualOdometryConfig& config, Bundle
     CameraPoseBlock& block = bundle->poses.blocks[i];
     problem.AddParameterBlock(block.data(), 7, &manifold);
     options.linear_solver_ordering->AddElementToGroup(block.data(), 1);
-    if (bundle->fixed.count(id) > 0) problem.SetParameterBlockConstant(block.data());
+    if (bundle->fixed.count(id) > 0)
+      problem.SetParameterBlockConstant(block.data());
+    else if (config.refine.planar)
+      problem.AddResidualBlock(new PlanarPriorCost(*config.refine.planar), &with_depth,
+                               block.data());
   }
   for (auto& block : bundle->points.blocks) {
     problem.AddParameterBlock(block.data(), 3);

@@ -54,6 +54,7 @@ struct VisualOdometryCounts {
   int keyframes_culled = 0;
   int relocalisations = 0;
   int joins = 0;
+  int carried_frames = 0;     // by surfaces and the speed
   int revised_keyframes = 0;  // moved because the graph was
   std::int64_t lidar_depths = 0;
   std::int64_t lidar_guesses = 0;  // frames that were tracked from the LiDAR's prediction

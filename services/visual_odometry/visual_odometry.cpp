@@ -24,6 +24,14 @@ SE3 normalised(const SE3& T) {
   return make_pose(T.translation(), q.w(), q.x(), q.y(), q.z());
 }
 
+// A robot whose base stays on the floor says so in its model; a camera in a hand doesn't.
+VisualOdometryConfig with_planar_prior(VisualOdometryConfig config, const RobotModel& robot) {
+  if (!config.use_planar || !robot.planar) return config;
+  config.refine.planar.emplace();
+  config.refine.planar->T_base_camera = robot.T_base_camera;
+  return config;
+}
+
 std::vector<double> scales_of(const OrbExtractor& extractor, int n_levels) {
   std::vector<double> scales;
   for (int i = 0; i < n_levels; ++i) scales.push_back(extractor.scale(i));
@@ -34,12 +42,12 @@ std::vector<double> scales_of(const OrbExtractor& extractor, int n_levels) {
 
 VisualOdometry::VisualOdometry(const CameraModel& camera, const RobotModel& robot,
                                const VisualOdometryConfig& config)
-    : config_(config),
+    : config_(with_planar_prior(config, robot)),
       camera_(camera),
       robot_(robot),
       extractor_(config.orb),
       scales_(scales_of(extractor_, config.orb.n_levels)),
-      mapping_(camera, scales_, config),
+      mapping_(camera, scales_, config_),
       T_odom_camera_(robot.T_base_camera) {}
 
 TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
@@ -52,6 +60,15 @@ TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
   }
   last_utime_us_ = frame.utime_us;
   take_up_news();
+  SurfaceView view;
+  if (config_.use_surfaces) view = see_surfaces(frame.depth_mm, camera_, config_.surfaces);
+  TrackingResult result = place(frame, view);
+  surfaces_ = result.state == TrackingState::kLost ? SurfaceView{} : std::move(view);
+  return result;
+}
+
+// Where the frame was seen from.
+TrackingResult VisualOdometry::place(const RgbdFrame& frame, const SurfaceView& view) {
   FeatureSet set = see(frame);
   if (!segment_started_) return lost(frame.utime_us, "", std::move(set));
 
@@ -61,6 +78,7 @@ TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
     why = "few features agree, and not with the LiDAR's motion";
     estimate.reset();
   }
+  if (!estimate) estimate = carry_on(frame.utime_us, view, set);
   if (!estimate) estimate = find_again(set);
   if (!estimate) return lost(frame.utime_us, why, std::move(set));
   return tracked(frame.utime_us, *estimate, std::move(set));
@@ -73,6 +91,7 @@ void VisualOdometry::reset() {
   places_ = {};
   revision_ = {};
   open_.clear();
+  surfaces_ = {};
   n_segments_ = 0;
   segment_started_ = false;
 }
@@ -180,6 +199,24 @@ std::optional<PoseEstimate> VisualOdometry::track_from(const std::vector<SE3>& g
                          2.0 * config_.wide_radius_px, config_);
 }
 
+// Features fail: surfaces tell what they can, the speed the rest. Not for long.
+std::optional<PoseEstimate> VisualOdometry::carry_on(std::int64_t utime_us, const SurfaceView& now,
+                                                     const FeatureSet& set) {
+  const bool bare =
+      static_cast<double>(set.size()) < config_.carry_features * config_.orb.n_features;
+  if (!bare || utime_us - fix_utime_us_ > config_.carry_us) return std::nullopt;
+  const PlanarPrior* planar = config_.refine.planar ? &*config_.refine.planar : nullptr;
+  const auto motion = track_surfaces(surfaces_, T_odom_camera_, now, motion_.predict(utime_us),
+                                     camera_, planar, config_.surfaces);
+  if (!motion) return std::nullopt;
+  ++counts_.carried_frames;
+  carried_ += motion->covariance;
+  PoseEstimate estimate;
+  estimate.T_odom_camera = motion->T_odom_camera;
+  estimate.covariance = carried_;
+  return estimate;
+}
+
 // Without any guess: the last places, and those of the whole map that look alike.
 std::optional<PoseEstimate> VisualOdometry::find_again(const FeatureSet& set) {
   if (mapping_.busy()) finish_mapping();
@@ -213,15 +250,18 @@ TrackingResult VisualOdometry::tracked(std::int64_t utime_us, const PoseEstimate
   T_odom_camera_ = normalised(estimate.T_odom_camera);
   motion_.update(utime_us, T_odom_camera_);
   pose_utime_us_ = utime_us;
-  fix_utime_us_ = utime_us;
   searching_since_us_ = 0;
 
   TrackingResult result;
   result.utime_us = utime_us;
   result.n_matched = static_cast<int>(estimate.matched.matches.size());
+  const bool by_features = result.n_matched > 0;
+  if (by_features) fix_utime_us_ = utime_us;
+  if (by_features) carried_.setZero();
   weak_ = result.n_matched < config_.min_inliers_ok;
   result.state = weak_ ? TrackingState::kWeak : TrackingState::kOk;
   if (weak_) result.reason = "only " + std::to_string(result.n_matched) + " features agree";
+  if (!by_features) result.reason = "no features agree: surfaces and the speed carry the pose";
   result.covariance = in_base_axes(estimate.covariance, robot_.T_base_camera);
   if (wants_keyframe(estimate, set))
     add_keyframe(landmarks_in(estimate), true, std::move(set), &result);

@@ -54,8 +54,11 @@ class VisualOdometry {
   std::vector<SE3> guesses(std::int64_t utime_us) const;
   std::optional<SE3> lidar_prediction(std::int64_t utime_us) const;  // T_odom_camera
   std::optional<PoseEstimate> track_from(const std::vector<SE3>& guesses, const FeatureSet& set);
+  std::optional<PoseEstimate> carry_on(std::int64_t utime_us, const SurfaceView& now,
+                                       const FeatureSet& set);
   std::optional<PoseEstimate> find_again(const FeatureSet& set);
   bool contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate) const;
+  TrackingResult place(const RgbdFrame& frame, const SurfaceView& view);
   TrackingResult tracked(std::int64_t utime_us, const PoseEstimate& estimate, FeatureSet set);
   TrackingResult lost(std::int64_t utime_us, const std::string& why, FeatureSet set);
   TrackingResult start_segment(std::int64_t utime_us, FeatureSet set);
@@ -76,6 +79,8 @@ class VisualOdometry {
   std::vector<double> scales_;
   MotionModel motion_;
   LidarMotion lidar_motion_;
+  SurfaceView surfaces_;                 // of the last frame, when it has a pose; empty otherwise
+  Matrix6d carried_ = Matrix6d::Zero();  // covariance since features were last measured
   std::optional<LaserScan> scan_;
   GraphRevision revision_;
   VisualMap map_;

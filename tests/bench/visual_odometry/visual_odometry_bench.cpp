@@ -171,10 +171,10 @@ void print(const Run& run, const std::string& name, const Scores& live, const Sc
   std::printf(
       "mapping: %d jobs, %d triangulated, %d fused, %d observations refused, %d landmarks "
       "and %d keyframes culled; %d relocalisations, %d joins, %lld LiDAR depths, %lld LiDAR "
-      "guesses\n",
+      "guesses, %d frames carried by surfaces\n",
       c.mappings, c.triangulated, c.fused, c.observations_refused, c.landmarks_culled,
       c.keyframes_culled, c.relocalisations, c.joins, static_cast<long long>(c.lidar_depths),
-      static_cast<long long>(c.lidar_guesses));
+      static_cast<long long>(c.lidar_guesses), c.carried_frames);
   std::printf("CPU ms a frame (tracking thread): median %.1f p95 %.1f p99 %.1f max %.1f\n",
               quantile(run.cpu_ms, 0.5), quantile(run.cpu_ms, 0.95), quantile(run.cpu_ms, 0.99),
               quantile(run.cpu_ms, 1.0));
@@ -208,6 +208,9 @@ int bench(int argc, char** argv) {
   app.add_flag("--paced", paced, "at the camera's own rate");
   app.add_flag("!--no-lidar-depth", config.use_lidar_depth);
   app.add_flag("!--no-lidar-motion", config.use_lidar_motion);
+  app.add_flag("!--no-surfaces", config.use_surfaces);
+  app.add_flag("!--no-planar", config.use_planar);
+  app.add_option("--fast-low", config.orb.fast_threshold_low);
   app.add_option("--features", config.orb.n_features);
   app.add_option("--pixel-sigma", config.pixel_sigma);
   app.add_option("--bundle", config.bundle_keyframes);
