@@ -47,6 +47,13 @@ NormalEquations accumulate(const CameraModel& camera, const std::vector<Correspo
     }
     add(r, J, limit, robust, &sum);
   }
+  if (config.prior) {
+    const Vector6d apart = local(config.prior->T_reference_camera, T);
+    const Vector6d weighted = config.prior->information * apart;
+    sum.cost += apart.dot(weighted);
+    sum.H += config.prior->information;
+    sum.b += weighted;
+  }
   if (config.planar) {
     r = planar_prior_residual(*config.planar, T, &J);
     add(r, J, config.gate_3d, true, &sum);
@@ -131,9 +138,9 @@ RefinedPose refine_pose(const CameraModel& camera, const std::vector<Corresponde
       chi2_sum += r.squaredNorm();
       freedoms += matches[i].depth_m > 0.0 ? 3 : 2;
     }
-    if (result.n_inliers < 4) break;
+    if (result.n_inliers < 4 && !config.prior) break;
   }
-  if (result.n_inliers < 4) return result;
+  if (result.n_inliers < 4 && !config.prior) return result;
   result.mean_chi2 = chi2_sum / std::max(1, freedoms);
   const NormalEquations last =
       accumulate(camera, matches, result.inlier, result.T_reference_camera, config, false);

@@ -15,11 +15,18 @@
 
 namespace fusion_slam {
 
+// What else is known of the pose: Gaussian around T_reference_camera, not robust.
+struct PosePrior {
+  SE3 T_reference_camera = SE3::Identity();
+  Matrix6d information = Matrix6d::Zero();  // of xi in retract(), camera axes
+};
+
 struct RefineConfig {
   int rounds = 3;         // after each, matches beyond the gate are set aside (and may come back)
   int iterations = 8;     // of a round at most
   double gate_2d = 5.99;  // chi square, 95 %, 2 degrees of freedom: matches without depth
   double gate_3d = 7.81;  // 3 degrees of freedom
+  std::optional<PosePrior> prior;
   std::optional<PlanarPrior> planar;  // a base that stays on the reference's z = 0
 };
 
@@ -42,7 +49,8 @@ bool pose_residual(const CameraModel& camera, const Correspondence& match,
                    const SE3& T_reference_camera, Eigen::Vector3d* residual,
                    ResidualJacobian* jacobian, Eigen::Matrix3d* by_point = nullptr);
 
-// With fewer than 4 inliers the covariance is very wide (identity). Never fails: look at n_inliers.
+// With fewer than 4 inliers and no prior the covariance is very wide (identity). Never fails: look
+// at n_inliers.
 RefinedPose refine_pose(const CameraModel& camera, const std::vector<Correspondence>& matches,
                         const SE3& guess_T_reference_camera, const RefineConfig& config = {});
 

@@ -32,7 +32,7 @@ struct VisualOdometryConfig {
   // nobody knows is another place, however alike its surfaces. The speed is what is left along a
   // wall: after this time it says nothing any more.
   SurfaceConfig surfaces;
-  double carry_features = 0.25;  // of orb.n_features: more of them is no bare wall
+  double carry_features = 0.5;  // of orb.n_features: more of them is no bare wall
   std::int64_t carry_us = 2'000'000;
 
   // States.

@@ -47,4 +47,15 @@ std::optional<PoseEstimate> track_local_map(const LocalMap& map, const CameraMod
   return enough(fine) ? std::make_optional(std::move(fine)) : std::nullopt;
 }
 
+PoseEstimate track_from_prior(const LocalMap& map, const CameraModel& camera,
+                              const PosePrior& prior, const FeatureSet& set,
+                              const std::vector<double>& scale_of_octave,
+                              const VisualOdometryConfig& config) {
+  VisualOdometryConfig held = config;
+  held.refine.prior = prior;
+  const FeatureGrid grid(set.features, camera.width_px, camera.height_px);
+  return estimate_pose(map, camera, prior.T_reference_camera, set, grid, scale_of_octave,
+                       config.narrow_radius_px, held);
+}
+
 }  // namespace fusion_slam

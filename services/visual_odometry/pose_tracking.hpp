@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "libs/camera/camera_model.hpp"
+#include "libs/features/pose_refiner.hpp"
 #include "services/visual_odometry/config.hpp"
 #include "services/visual_odometry/local_map.hpp"
 #include "services/visual_odometry/projection_matcher.hpp"
@@ -22,5 +23,12 @@ std::optional<PoseEstimate> track_local_map(const LocalMap& map, const CameraMod
                                             const SE3& guess_T_odom_camera, const FeatureSet& set,
                                             const std::vector<double>& scale_of_octave,
                                             double radius_px, const VisualOdometryConfig& config);
+
+// The narrow search alone, around a pose that is known otherwise (`prior`): any number of features,
+// also none, makes it better. Pure.
+PoseEstimate track_from_prior(const LocalMap& map, const CameraModel& camera,
+                              const PosePrior& prior, const FeatureSet& set,
+                              const std::vector<double>& scale_of_octave,
+                              const VisualOdometryConfig& config);
 
 }  // namespace fusion_slam

@@ -24,7 +24,7 @@ struct SurfaceConfig {
   int min_pairs = 400;            // samples of both frames on one surface
   double min_share = 0.6;         // of the samples that fall into the other image
   double noise_factor = 4.0;      // neighbours err alike: each counts for less than one
-  double prior_sigma_m = 0.01;    // how much a frame may differ from the predicted motion where
+  double prior_sigma_m = 0.006;   // how much a frame may differ from the predicted motion where
   double prior_sigma_rad = 0.01;  // surfaces don't tell
   int iterations = 8;
 };

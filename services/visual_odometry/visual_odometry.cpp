@@ -78,7 +78,8 @@ TrackingResult VisualOdometry::place(const RgbdFrame& frame, const SurfaceView& 
     why = "few features agree, and not with the LiDAR's motion";
     estimate.reset();
   }
-  if (!estimate) estimate = carry_on(frame.utime_us, view, set);
+  if (!estimate || static_cast<int>(estimate->matched.matches.size()) < config_.min_inliers_ok)
+    if (auto carried = carry_on(frame.utime_us, view, set)) estimate = std::move(carried);
   if (!estimate) estimate = find_again(set);
   if (!estimate) return lost(frame.utime_us, why, std::move(set));
   return tracked(frame.utime_us, *estimate, std::move(set));
@@ -205,15 +206,18 @@ std::optional<PoseEstimate> VisualOdometry::carry_on(std::int64_t utime_us, cons
   const bool bare =
       static_cast<double>(set.size()) < config_.carry_features * config_.orb.n_features;
   if (!bare || utime_us - fix_utime_us_ > config_.carry_us) return std::nullopt;
-  const PlanarPrior* planar = config_.refine.planar ? &*config_.refine.planar : nullptr;
+  // The floor comes in with the features.
   const auto motion = track_surfaces(surfaces_, T_odom_camera_, now, motion_.predict(utime_us),
-                                     camera_, planar, config_.surfaces);
+                                     camera_, nullptr, config_.surfaces);
   if (!motion) return std::nullopt;
   ++counts_.carried_frames;
-  carried_ += motion->covariance;
-  PoseEstimate estimate;
-  estimate.T_odom_camera = motion->T_odom_camera;
-  estimate.covariance = carried_;
+  PosePrior prior;
+  prior.T_reference_camera = motion->T_odom_camera;
+  prior.information = motion->covariance.inverse();
+  PoseEstimate estimate = track_from_prior(local_, camera_, prior, set, scales_, config_);
+  carried_ += estimate.covariance;
+  if (static_cast<int>(estimate.matched.matches.size()) < config_.min_inliers)
+    estimate.covariance = carried_;
   return estimate;
 }
 
@@ -255,13 +259,13 @@ TrackingResult VisualOdometry::tracked(std::int64_t utime_us, const PoseEstimate
   TrackingResult result;
   result.utime_us = utime_us;
   result.n_matched = static_cast<int>(estimate.matched.matches.size());
-  const bool by_features = result.n_matched > 0;
+  const bool by_features = result.n_matched >= config_.min_inliers;
   if (by_features) fix_utime_us_ = utime_us;
   if (by_features) carried_.setZero();
   weak_ = result.n_matched < config_.min_inliers_ok;
   result.state = weak_ ? TrackingState::kWeak : TrackingState::kOk;
   if (weak_) result.reason = "only " + std::to_string(result.n_matched) + " features agree";
-  if (!by_features) result.reason = "no features agree: surfaces and the speed carry the pose";
+  if (!by_features) result.reason = "too few features: surfaces and the speed carry the pose";
   result.covariance = in_base_axes(estimate.covariance, robot_.T_base_camera);
   if (wants_keyframe(estimate, set))
     add_keyframe(landmarks_in(estimate), true, std::move(set), &result);

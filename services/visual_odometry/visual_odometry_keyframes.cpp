@@ -26,7 +26,7 @@ bool VisualOdometry::wants_keyframe(const PoseEstimate& estimate, const FeatureS
   if (std::exchange(found_again_, false)) return true;
   evidence.n_inliers_at_keyframe = inliers_at_keyframe_;
   // Surfaces carry the pose: only a new view brings new features.
-  if (evidence.n_inliers == 0) evidence.n_inliers_at_keyframe = 0;
+  if (evidence.n_inliers < config_.min_inliers) evidence.n_inliers_at_keyframe = 0;
   evidence.T_keyframe_camera = T_odom_reference().inverse() * T_odom_camera_;
   evidence.median_depth_m = median_depth(set);
   return decide_keyframe(evidence, config_) != KeyframeReason::kNone;
