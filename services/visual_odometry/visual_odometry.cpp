@@ -34,6 +34,7 @@ VisualOdometryConfig with_planar_prior(VisualOdometryConfig config, const RobotM
 
 std::vector<double> scales_of(const OrbExtractor& extractor, int n_levels) {
   std::vector<double> scales;
+  scales.reserve(static_cast<std::size_t>(n_levels));
   for (int i = 0; i < n_levels; ++i) scales.push_back(extractor.scale(i));
   return scales;
 }
