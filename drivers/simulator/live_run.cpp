@@ -118,6 +118,7 @@ void LiveRun::run() {
     progress_.started = true;
   }
   std::vector<std::thread> workers;
+  workers.reserve(std::size_t(std::max(0, threads_)));
   for (int i = 0; i < threads_; ++i) workers.emplace_back([this] { render_frames(); });
   std::thread camera([this] { publish_frames(); });
   publish_others();

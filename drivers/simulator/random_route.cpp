@@ -87,8 +87,8 @@ double safe_until_s(const std::vector<Eigen::Vector2d>& points, const Clearance&
   const auto& arrivals = drive.arrivals_s();
   if (arrivals.size() + 1 < points.size()) return -1.0;
   const double end_s = arrivals[points.size() - 2];
-  for (double t = 0.0; t < end_s; t += kOftenS) {
-    const SE2 at = drive.T_world_base(t);
+  for (int i = 0; i * kOftenS < end_s; ++i) {
+    const SE2 at = drive.T_world_base(i * kOftenS);
     if (clearance.at({at.x, at.y}) < options.robot_radius_m) return -1.0;
   }
   return end_s;

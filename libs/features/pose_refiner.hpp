@@ -16,7 +16,7 @@
 namespace fusion_slam {
 
 // What else is known of the pose: Gaussian around T_reference_camera, not robust.
-struct PosePrior {
+struct CameraPosePrior {
   SE3 T_reference_camera = SE3::Identity();
   Matrix6d information = Matrix6d::Zero();  // of xi in retract(), camera axes
 };
@@ -26,7 +26,7 @@ struct RefineConfig {
   int iterations = 8;     // of a round at most
   double gate_2d = 5.99;  // chi square, 95 %, 2 degrees of freedom: matches without depth
   double gate_3d = 7.81;  // 3 degrees of freedom
-  std::optional<PosePrior> prior;
+  std::optional<CameraPosePrior> prior;
   std::optional<PlanarPrior> planar;  // a base that stays on the reference's z = 0
 };
 

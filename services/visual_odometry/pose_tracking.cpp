@@ -48,7 +48,7 @@ std::optional<PoseEstimate> track_local_map(const LocalMap& map, const CameraMod
 }
 
 PoseEstimate track_from_prior(const LocalMap& map, const CameraModel& camera,
-                              const PosePrior& prior, const FeatureSet& set,
+                              const CameraPosePrior& prior, const FeatureSet& set,
                               const std::vector<double>& scale_of_octave,
                               const VisualOdometryConfig& config) {
   VisualOdometryConfig held = config;

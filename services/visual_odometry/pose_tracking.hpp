@@ -27,7 +27,7 @@ std::optional<PoseEstimate> track_local_map(const LocalMap& map, const CameraMod
 // The narrow search alone, around a pose that is known otherwise (`prior`): any number of features,
 // also none, makes it better. Pure.
 PoseEstimate track_from_prior(const LocalMap& map, const CameraModel& camera,
-                              const PosePrior& prior, const FeatureSet& set,
+                              const CameraPosePrior& prior, const FeatureSet& set,
                               const std::vector<double>& scale_of_octave,
                               const VisualOdometryConfig& config);
 

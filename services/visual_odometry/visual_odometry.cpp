@@ -212,7 +212,7 @@ std::optional<PoseEstimate> VisualOdometry::carry_on(std::int64_t utime_us, cons
                                      camera_, nullptr, config_.surfaces);
   if (!motion) return std::nullopt;
   ++counts_.carried_frames;
-  PosePrior prior;
+  CameraPosePrior prior;
   prior.T_reference_camera = motion->T_odom_camera;
   prior.information = motion->covariance.inverse();
   PoseEstimate estimate = track_from_prior(local_, camera_, prior, set, scales_, config_);

@@ -98,7 +98,7 @@ TEST_F(Recording, HoldsEveryChannelInOrderOfTime) {
 
 TEST_F(Recording, SaysWhenItCannotWrite) {
   EXPECT_THROW(write_recording(simulation(1), 1, folder_ / "no" / "log.lcm", {}),
-      std::runtime_error);
+               std::runtime_error);
 }
 
 }  // namespace
