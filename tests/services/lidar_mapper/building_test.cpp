@@ -174,7 +174,6 @@ TEST(Building, PeopleFade) {
   };
   double worst_m = 0.0;
   SE2 first_truth = test_path(0.0);
-  std::optional<SE2> T_first_base;
   for (double t = 0.0; t < 45.0; t += 0.1) {
     FlatWorld now = room;
     if (t < 25.0) {
