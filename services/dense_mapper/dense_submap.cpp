@@ -81,9 +81,7 @@ void copy_cube(const CubeIndex& index, const VoxelCells& cells, VoxelBlocks* vox
   for (int z = 0; z < kOctomapTileVoxels; ++z)
     for (int y = 0; y < kOctomapTileVoxels; ++y)
       for (int x = 0; x < kOctomapTileVoxels; ++x, ++i)
-        if (cells[i] != kUnknownVoxel)
-          // NOLINTNEXTLINE(bugprone-signed-char-misuse): a number, no character
-          writer.at(x0 + x, y0 + y, z0 + z) = cells[i];
+        if (cells[i] != kUnknownVoxel) writer.at(x0 + x, y0 + y, z0 + z) = cells[i];
 }
 
 }  // namespace

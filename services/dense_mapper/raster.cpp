@@ -59,7 +59,8 @@ class BandReader {
 
  private:
   const ColumnRaster* at(int x, int y) const {
-    return around_[static_cast<std::size_t>(((y >> 5) + 1) * 3 + (x >> 5) + 1)];
+    const int i = ((y >> 5) + 1) * 3 + (x >> 5) + 1;
+    return around_[static_cast<std::size_t>(i)];
   }
   static std::size_t cell(int x, int y) {
     return static_cast<std::size_t>(y & 31) * kOctomapTileVoxels + static_cast<std::size_t>(x & 31);
