@@ -32,7 +32,7 @@ std::vector<LoopCandidate> LoopDetector::add(LoopKeyframe keyframe) {
   return settle(std::move(decided));
 }
 
-std::vector<LoopCandidate> LoopDetector::add(LoopScan scan) {
+std::vector<LoopCandidate> LoopDetector::add(const LoopScan& scan) {
   if (scan.id <= last_scan_) return {};
   last_scan_ = scan.id;
   ++counts_.scans;

@@ -42,7 +42,7 @@ class LoopDetector {
   // Each returns the candidates whose fate is decided by now. A node whose id is not above the last
   // one's of its kind is ignored.
   std::vector<LoopCandidate> add(LoopKeyframe keyframe);
-  std::vector<LoopCandidate> add(LoopScan scan);
+  std::vector<LoopCandidate> add(const LoopScan& scan);
   std::vector<LoopCandidate> finish();  // those that still wait for others are rejected
 
   void add_tile(const Tile& tile) { submaps_.add_tile(tile); }
