@@ -162,7 +162,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   session.lost_total();
   const auto folder = fusion_slam::temporary_folder() / "session";
   const auto result = session.write(folder);
-  require(result.files.size() + result.missing.size() == 8);
+  require(result.files.size() + result.missing.size() == 12);
   for (const std::string& name : result.files) {
     require(std::filesystem::file_size(folder / name) > 0);
     if (std::filesystem::path(name).extension() == ".tum") fusion_slam::read_tum(folder / name);

@@ -247,7 +247,7 @@ TEST(DenseMapper, MemoryIsBoundedByTheArea) {
   }
   EXPECT_GT(at_half, 0U);
   EXPECT_LT(static_cast<double>(mapper.submap_bytes() + mapper.map_bytes()),
-            1.5 * static_cast<double>(at_half));
+            1.3 * static_cast<double>(at_half));
 }
 
 }  // namespace
