@@ -35,8 +35,8 @@ class BandReader {
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) {
         const auto it = rasters.find({centre.first + dx, centre.second + dy});
-        around_[static_cast<std::size_t>((dy + 1) * 3 + dx + 1)] =
-            it == rasters.end() ? nullptr : &it->second;
+        const int i = (dy + 1) * 3 + dx + 1;
+        around_[static_cast<std::size_t>(i)] = it == rasters.end() ? nullptr : &it->second;
       }
   }
   // x, y of the centre column's cells, -32 ... 63.
