@@ -2,11 +2,10 @@
 
 #include <cmath>
 #include <cstdio>
-#include <set>
-#include <utility>
 
+#include "libs/places/rival_match.hpp"
 #include "libs/scan_matching/scan_refiner.hpp"
-#include "services/loop_detector/rival_match.hpp"
+#include "libs/scan_matching/thinning.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -21,21 +20,6 @@ std::string say(const char* format, Values... values) {
 }
 
 }  // namespace
-
-Points thinned(const Points& points, int most) {
-  Points kept = points;
-  for (double edge_m = 0.05; kept.size() > static_cast<std::size_t>(most); edge_m *= 1.3) {
-    kept.clear();
-    std::set<std::pair<int, int>> cells;
-    for (const auto& p : points)
-      if (cells
-              .emplace(static_cast<int>(std::floor(p.x() / edge_m)),
-                       static_cast<int>(std::floor(p.y() / edge_m)))
-              .second)
-        kept.push_back(p);
-  }
-  return kept;
-}
 
 LidarCheck check_scan(const UnpackedSubmap& submap, const Points& points_base,
                       const SE2& T_submap_base_predicted, const SearchWindow& window,

@@ -30,7 +30,4 @@ LidarCheck check_scan(const UnpackedSubmap& submap, const Points& points_base,
                       const SE2& T_submap_base_predicted, const SearchWindow& window,
                       const LidarCheckConfig& config);
 
-// Every so many points, one per cell of the smallest grid that leaves at most `most`.
-Points thinned(const Points& points, int most);
-
 }  // namespace fusion_slam

@@ -1,13 +1,12 @@
 #include "services/loop_detector/loop_messages.hpp"
 
-#include <cmath>
+#include <utility>
 
 #include "libs/messages/convert.hpp"
+#include "libs/place_messages/place_messages.hpp"
 
 namespace fusion_slam {
 namespace {
-
-constexpr int kMaxOctave = 31;
 
 template <class Message, class Node>
 bool common_part(const Message& message, Node* node, std::string* why) {
@@ -30,31 +29,11 @@ bool common_part(const Message& message, Node* node, std::string* why) {
 }  // namespace
 
 std::optional<LoopKeyframe> from_message(const keyframe_t& message, std::string* why) {
-  if (message.n < 0 || message.n_descriptor_bytes != message.n * std::int64_t{kDescriptorBytes}) {
-    *why = "number of descriptor bytes is not 32 times the number of features";
-    return std::nullopt;
-  }
   LoopKeyframe keyframe;
   if (!common_part(message, &keyframe, why)) return std::nullopt;
-  for (std::int32_t i = 0; i < message.n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    Feature f;
-    f.u_px = message.u_px[k];
-    f.v_px = message.v_px[k];
-    f.depth_m = message.depth_m[k];
-    f.angle_rad = message.angle_rad[k];
-    f.octave = message.octave[k];
-    f.depth_sigma_m = message.depth_sigma_m[k];
-    const bool finite = std::isfinite(f.u_px) && std::isfinite(f.v_px) &&
-                        std::isfinite(f.depth_m) && std::isfinite(f.angle_rad);
-    if (!finite || f.octave < 0 || f.octave > kMaxOctave) {
-      *why = "feature " + std::to_string(i) + " has an impossible position, angle or octave";
-      return std::nullopt;
-    }
-    keyframe.features.features.push_back(f);
-    keyframe.features.descriptors.push_back(
-        descriptor_from_bytes(message.descriptors.data() + k * kDescriptorBytes));
-  }
+  auto features = features_from(message, why);
+  if (!features) return std::nullopt;
+  keyframe.features = std::move(*features);
   return keyframe;
 }
 
@@ -70,14 +49,9 @@ std::optional<LoopScan> from_message(const lidar_node_t& message, std::string* w
     }
     scan.submaps.push_back({message.submap_ids[k], *T_submap_base});
   }
-  for (std::int32_t i = 0; i < message.n_points; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (!std::isfinite(message.x_m[k]) || !std::isfinite(message.y_m[k])) {
-      *why = "point " + std::to_string(i) + " is not finite";
-      return std::nullopt;
-    }
-    scan.points_base.emplace_back(message.x_m[k], message.y_m[k]);
-  }
+  auto points = points_from(message, why);
+  if (!points) return std::nullopt;
+  scan.points_base = std::move(*points);
   return scan;
 }
 

@@ -6,7 +6,7 @@
 #include <ctime>
 #include <random>
 
-#include "services/loop_detector/place_index.hpp"
+#include "libs/places/place_index.hpp"
 
 namespace fusion_slam {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/loop_detector/rival_match.hpp"
+#include "libs/places/rival_match.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "services/loop_detector/place_index.hpp"
+#include "libs/places/place_index.hpp"
 
 #include <algorithm>
 #include <utility>

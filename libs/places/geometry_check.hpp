@@ -7,7 +7,7 @@
 #include "libs/camera/camera_model.hpp"
 #include "libs/features/feature.hpp"
 #include "libs/geometry/pose.hpp"
-#include "services/loop_detector/config.hpp"
+#include "libs/places/config.hpp"
 
 namespace fusion_slam {
 

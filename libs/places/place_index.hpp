@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libs/features/lsh_index.hpp"
-#include "services/loop_detector/config.hpp"
+#include "libs/places/config.hpp"
 
 namespace fusion_slam {
 

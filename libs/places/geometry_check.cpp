@@ -1,4 +1,4 @@
-#include "services/loop_detector/geometry_check.hpp"
+#include "libs/places/geometry_check.hpp"
 
 #include <cmath>
 #include <vector>
