@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "drivers/rplidar/port_finder.hpp"
+#include "libs/clock/clock.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -20,18 +21,6 @@ constexpr std::int64_t kDroppedReport_us = 1'000'000;  // at most one report in 
 constexpr int kSlowRestarts =
     3;  // a slow motor is told to turn again after so many times no_turn_ms
 constexpr double kBitsPerByte = 10.0;  // start and stop bit
-
-std::int64_t steady_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-std::int64_t wall_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 std::string one_digit(double value) {
   char text[32];

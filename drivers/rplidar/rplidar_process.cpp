@@ -6,6 +6,7 @@
 
 #include "bot_core/planar_lidar_t.hpp"
 #include "drivers/rplidar/resample.hpp"
+#include "libs/clock/clock.hpp"
 #include "libs/messages/models.hpp"
 
 namespace fusion_slam {
@@ -13,12 +14,6 @@ namespace {
 
 // Nobody maps without ROBOT_MODEL: a camera must not wait for a LiDAR that is not plugged in.
 constexpr std::chrono::seconds kWaitForDevice{3};
-
-std::int64_t wall_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 

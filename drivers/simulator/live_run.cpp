@@ -5,23 +5,13 @@
 #include <cmath>
 #include <thread>
 
+#include "libs/clock/clock.hpp"
+
 namespace fusion_slam {
 namespace {
 
 constexpr std::size_t kFramesAhead = 8;  // rendered and waiting, at most
 constexpr double kCostMemory = 0.8;      // share of the old estimate that a new frame leaves
-
-std::int64_t steady_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-std::int64_t wall_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "libs/bus/bus_internal.hpp"
+#include "libs/clock/clock.hpp"
 #include "libs/schema/guard.hpp"
 
 namespace fusion_slam {
@@ -91,7 +92,7 @@ bool Bus::handle(int timeout_ms) {
 }
 
 void Bus::every(int period_ms, std::function<void()> callback) {
-  impl_->timers.push_back({period_ms * 1000LL, now_us(), std::move(callback)});
+  impl_->timers.push_back({period_ms * 1000LL, steady_us(), std::move(callback)});
 }
 
 void Bus::set_state_text(const std::string& text) {

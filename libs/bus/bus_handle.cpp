@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "libs/bus/bus_internal.hpp"
+#include "libs/clock/clock.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -67,7 +68,7 @@ void Bus::Impl::handle_item(const InboxItem& item) {
   const std::lock_guard<std::mutex> lock(mutex);
   if (rejected) ++inbox.channels()[item.channel].counters.rejected;
   inbox.processed(item);
-  latency.add(static_cast<double>(now_us() - item.arrival_us));
+  latency.add(static_cast<double>(steady_us() - item.arrival_us));
   ++activity;
 }
 
@@ -78,14 +79,14 @@ void Bus::Impl::pace() {
   {
     const std::lock_guard<std::mutex> lock(out_mutex);
     const bool full = burst_messages >= kBurstMessages || burst_bytes >= kBurstBytes;
-    if (!full || now_us() - burst_begin_us > kBurst_us) return;
+    if (!full || steady_us() - burst_begin_us > kBurst_us) return;
   }
   // Not under the lock: the reader's thread must not wait for it.
   std::this_thread::sleep_for(std::chrono::microseconds(kBurst_us));
 }
 
 void Bus::Impl::send(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
-  const std::int64_t now = now_us();
+  const std::int64_t now = steady_us();
   if (now - burst_begin_us > kBurst_us) {
     burst_begin_us = now;
     burst_messages = 0;
@@ -98,12 +99,12 @@ void Bus::Impl::send(const std::string& channel, const std::vector<std::uint8_t>
 }
 
 bool Bus::Impl::handle_one(int timeout_ms) {
-  const std::int64_t deadline_us = now_us() + timeout_ms * 1000LL;
+  const std::int64_t deadline_us = steady_us() + timeout_ms * 1000LL;
   std::optional<InboxItem> item;
   {
     std::unique_lock<std::mutex> lock(mutex);
-    while (!(item = inbox.pop(now_us())) && !stopping) {
-      const std::int64_t left_us = deadline_us - now_us();
+    while (!(item = inbox.pop(steady_us())) && !stopping) {
+      const std::int64_t left_us = deadline_us - steady_us();
       if (left_us <= 0) return false;
       // Something may wait for its merge time only: look again soon.
       const std::int64_t wait_us =
@@ -149,7 +150,7 @@ bool Bus::Impl::handle_step(int timeout_ms) {
 
 void Bus::Impl::call_timers() {
   if (options.mode == Mode::kLockstep) return;
-  const std::int64_t now = now_us();
+  const std::int64_t now = steady_us();
   for (Timer& timer : timers) {
     if (now - timer.last_us < timer.period_us) continue;
     timer.last_us = now;
@@ -167,7 +168,7 @@ void Bus::Impl::report(const std::string& text) {
 
 status_t Bus::Impl::status() const {
   status_t s{};
-  s.utime = wall_utime_us();
+  s.utime = wall_us();
   s.process = options.process;
   s.host = host_name();
   s.pid = getpid();
@@ -219,7 +220,7 @@ status_t Bus::Impl::status() const {
 
 void Bus::Impl::send_status() {
   const std::lock_guard<std::mutex> one_at_a_time(status_mutex);  // so that counts never go back
-  last_status_us = now_us();
+  last_status_us = steady_us();
   told_activity = activity.load();
   status_t s = status();
   const std::lock_guard<std::mutex> lock(out_mutex);

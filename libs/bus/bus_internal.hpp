@@ -17,9 +17,6 @@
 
 namespace fusion_slam {
 
-std::int64_t now_us();         // monotonic
-std::int64_t wall_utime_us();  // since the epoch; for STATUS and requests only
-
 struct Bus::Impl {
   Impl(BusOptions options_in, std::shared_ptr<Transport> transport_in);
   void start();  // subscribes to what every process listens to

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "libs/bus/bus_internal.hpp"
+#include "libs/clock/clock.hpp"
 #include "libs/schema/guard.hpp"
 
 namespace fusion_slam {
@@ -22,18 +23,6 @@ constexpr std::size_t kAnswerBytes = 256 << 10;
 constexpr std::int64_t kAnswerPeriod_us = 2'000;
 
 }  // namespace
-
-std::int64_t now_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-std::int64_t wall_utime_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 bool Bus::Impl::passes_guard(const std::string& channel, const LcmType& type,
                              const std::uint8_t* bytes, std::size_t size) {
@@ -80,7 +69,7 @@ void Bus::Impl::receive(std::size_t index, const std::uint8_t* bytes, std::size_
   item.channel = index;
   item.utime_us = type->starts_with_utime ? peek_utime(bytes, size).value_or(0) : 0;
   item.seq = type->continues_with_seq ? peek_seq(bytes, size).value_or(0) : 0;
-  item.arrival_us = now_us();
+  item.arrival_us = steady_us();
   item.bytes.assign(bytes, bytes + size);
   std::unique_lock<std::mutex> lock(mutex);
   if (type->continues_with_seq && item.seq < 1) {
@@ -106,7 +95,7 @@ void Bus::Impl::on_step(const step_t& step) {
     return send_status();
   }
   if (step.step < step_done || (!steps.empty() && step.step <= steps.back().step)) return;
-  const std::int64_t now = now_us();
+  const std::int64_t now = steady_us();
   for (std::size_t i = 0; i < step.channels.size(); ++i)
     inbox.expect(step.channels[i], step.counts[i], now);
   steps.push_back(step);
@@ -116,7 +105,7 @@ void Bus::Impl::on_step(const step_t& step) {
 void Bus::Impl::on_peer_status(const status_t& peer) {
   if (peer.process == options.process) return;
   const std::lock_guard<std::mutex> lock(mutex);
-  const std::int64_t now = now_us();
+  const std::int64_t now = steady_us();
   for (const auto& theirs : peer.channels) {
     if (theirs.published == 0) continue;
     for (auto& mine : inbox.channels()) {
@@ -158,7 +147,7 @@ void Bus::Impl::request_missing(std::int64_t now) {
   }
   for (resend_t& request : requests) {
     const std::lock_guard<std::mutex> lock(out_mutex);
-    request.utime = wall_utime_us();
+    request.utime = wall_us();
     request.requester = options.process;
     request.seq = outbox.next_seq("RESEND");
     const auto bytes = bus_detail::encode(request);
@@ -180,7 +169,7 @@ void Bus::Impl::answer_requests(std::int64_t now) {
 }
 
 void Bus::Impl::idle() {
-  const std::int64_t now = now_us();
+  const std::int64_t now = steady_us();
   request_missing(now);
   answer_requests(now);
   if (!running) return;
@@ -192,7 +181,7 @@ void Bus::Impl::idle() {
   const std::lock_guard<std::mutex> lock(out_mutex);
   for (tile_index_t& index : outbox.indexes()) {
     const std::string channel = index.channel + "_INDEX";
-    index.utime = wall_utime_us();
+    index.utime = wall_us();
     index.seq = outbox.next_seq(channel);
     const auto bytes = bus_detail::encode(index);
     outbox.sent_once(channel, bytes.size());

@@ -1,11 +1,9 @@
 #include "libs/scan_matching/scan_refiner.hpp"
 
 #include <cmath>
-#include <limits>
-
-#include <Eigen/Eigenvalues>
 
 #include "libs/scan_matching/occupancy_cost.hpp"
+#include "libs/scan_matching/surface_refiner.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -63,17 +61,6 @@ Eigen::Matrix3d point_information(const Raster& raster, const Points& points, co
   return sum / (4.0 * sigma * sigma);
 }
 
-double weakest_sigma(const Eigen::Matrix3d& information) {
-  // Translation once the heading is free to follow: Schur complement.
-  const Eigen::Vector2d cross = information.block<2, 1>(0, 2);
-  const double turn = std::max(information(2, 2), 1e-9);
-  const Eigen::Matrix2d translation =
-      information.topLeftCorner<2, 2>() - cross * cross.transpose() / turn;
-  const double least =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(translation).eigenvalues().x();
-  return least > 1e-9 ? 1.0 / std::sqrt(least) : std::numeric_limits<double>::infinity();
-}
-
 }  // namespace
 
 RefinedMatch refine_match(const Raster& raster, const Points& points_base, const SE2& start,
@@ -111,7 +98,7 @@ RefinedMatch refine_match(const Raster& raster, const Points& points_base, const
   const Eigen::Vector3d kept = covariance * information * found;
   match.T_grid_base = {predicted.x + kept.x(), predicted.y + kept.y(),
                        wrap_angle(predicted.yaw + kept.z())};
-  match.weakest_sigma_m = weakest_sigma(information);
+  match.weakest_sigma_m = weakest_sigma_m(information);
   Eigen::Matrix3d to_base = Eigen::Matrix3d::Identity();  // grid axes to base axes
   to_base.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-pose[2]).toRotationMatrix();
   match.covariance = to_base * covariance * to_base.transpose();

@@ -13,6 +13,7 @@
 #include "libs/bus/tile_channel.hpp"
 #include "libs/process/child.hpp"
 #include "libs/process/private_network.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -26,14 +27,6 @@ bool isolated() { return network().url.find("239.255.76.67:7667") != std::string
 Child peer(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), FS_BINARY_DIR "/tests/bus_peer");
   return {"peer", arguments, std::filesystem::path(testing::TempDir()) / "bus_peer.log"};
-}
-
-BusOptions receiver(Mode mode) {
-  BusOptions options;
-  options.process = "receiver";
-  options.mode = mode;
-  options.merge_wait_us = 0;
-  return options;
 }
 
 template <class Condition>
@@ -60,7 +53,7 @@ class UdpBus : public testing::Test {
   void TearDown() override { make_good(); }
 
   void receive_images(int n, int bytes) {
-    Bus bus(receiver(Mode::kThroughput));
+    Bus bus(test_bus("receiver", Mode::kThroughput));
     std::multiset<std::int64_t> ids;
     bus.subscribe<keyframe_image_t>("KEYFRAME_IMAGE", Policy::kLatestOnly,
                                     [&](const keyframe_image_t& m) {
@@ -84,7 +77,7 @@ TEST_F(UdpBus, SoItDoesThroughABufferTooSmallForTheBurst) {
 
 TEST_F(UdpBus, SoDoMessagesWithoutNumbersInAReplay) {
   setenv("LCM_DEFAULT_URL", (network().url + "&recv_buf_size=120000").c_str(), 1);
-  Bus bus(receiver(Mode::kThroughput));
+  Bus bus(test_bus("receiver", Mode::kThroughput));
   std::multiset<std::int64_t> utimes;
   bus.subscribe<bot_core::images_t>("CAMERA", Policy::kKeepAll,
                                     [&](const bot_core::images_t& m) { utimes.insert(m.utime); });
@@ -101,7 +94,7 @@ TEST_F(UdpBus, SoItDoesOverALossyNetwork) {
 TEST_F(UdpBus, ALateListenerIsWholeSoon) {
   Child sender = peer({"tiles", "300"});
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
-  Bus bus(receiver(Mode::kLive));
+  Bus bus(test_bus("receiver", Mode::kLive));
   std::map<int, std::int64_t> tiles;
   TileReceiver receiver(bus, "GRID_FUSED",
                         [&](const Tile& tile) { tiles[tile.key.x] = tile.revision; });
@@ -110,7 +103,7 @@ TEST_F(UdpBus, ALateListenerIsWholeSoon) {
 }
 
 TEST_F(UdpBus, ForgedMessagesAreCountedAndHurtNobody) {
-  Bus bus(receiver(Mode::kLive));
+  Bus bus(test_bus("receiver", Mode::kLive));
   int handled = 0;
   bus.subscribe<tile_t>("GRID_FUSED", Policy::kKeepAll, [&](const tile_t&) { ++handled; });
   Child sender = peer({"garbage", "500"});

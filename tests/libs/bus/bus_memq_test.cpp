@@ -10,17 +10,10 @@
 #include "libs/bus/bus.hpp"
 #include "libs/bus/tile_channel.hpp"
 #include "libs/bus/transport.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
-
-BusOptions named(const std::string& process, Mode mode = Mode::kLive) {
-  BusOptions options;
-  options.process = process;
-  options.mode = mode;
-  options.merge_wait_us = 0;
-  return options;
-}
 
 template <class Condition>
 bool soon(Condition condition) {
@@ -38,8 +31,8 @@ command_t command(const std::string& verb, std::int64_t utime = 1) {
 
 TEST(BusMemq, MessagesArriveInOrderWithNumbers) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus sender(named("sender"), transport);
-  Bus receiver(named("receiver"), transport);
+  Bus sender(test_bus("sender"), transport);
+  Bus receiver(test_bus("receiver"), transport);
   std::vector<std::int64_t> seqs;
   receiver.subscribe<command_t>("NUMBERED", Policy::kKeepAll,
                                 [&](const command_t& m) { seqs.push_back(m.seq); });
@@ -57,7 +50,7 @@ TEST(BusMemq, MessagesArriveInOrderWithNumbers) {
 
 TEST(BusMemq, AMessageThatLiesAboutItsLengthIsRejectedAndCounted) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus receiver(named("receiver"), transport);
+  Bus receiver(test_bus("receiver"), transport);
   int handled = 0;
   receiver.subscribe<tile_t>("GRID_FUSED", Policy::kKeepAll, [&](const tile_t&) { ++handled; });
   tile_t tile{};
@@ -82,8 +75,8 @@ TEST(BusMemq, AMessageThatLiesAboutItsLengthIsRejectedAndCounted) {
 
 TEST(BusMemq, WhatTheDecoderRefusesIsCountedAndHandledToTheEnd) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus sender(named("sender"), transport);
-  Bus receiver(named("receiver"), transport);
+  Bus sender(test_bus("sender"), transport);
+  Bus receiver(test_bus("receiver"), transport);
   // As the decoder of a message that passed the guard and does not fit in memory.
   receiver.subscribe<command_t>("COMMAND", Policy::kKeepAll, [](const command_t&) {
     throw bus_detail::Undecodable("the generated decoder failed: std::bad_alloc");
@@ -101,7 +94,7 @@ TEST(BusMemq, WhatTheDecoderRefusesIsCountedAndHandledToTheEnd) {
 
 TEST(BusMemq, WhatAListenerRejectsIsCountedToo) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus receiver(named("receiver"), transport);
+  Bus receiver(test_bus("receiver"), transport);
   receiver.listen<command_t>("COMMAND", [](const command_t&) {});
   transport->publish("COMMAND", {1, 2, 3});
   EXPECT_TRUE(soon([&] {
@@ -113,12 +106,12 @@ TEST(BusMemq, WhatAListenerRejectsIsCountedToo) {
 
 TEST(BusMemq, APublisherThatStartsAgainIsHeard) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus receiver(named("receiver"), transport);
+  Bus receiver(test_bus("receiver"), transport);
   std::vector<std::int64_t> utimes;
   receiver.subscribe<command_t>("NUMBERED", Policy::kKeepAll,
                                 [&](const command_t& m) { utimes.push_back(m.utime); });
   for (int life = 0; life < 3; ++life) {
-    Bus sender(named("sender"), transport);
+    Bus sender(test_bus("sender"), transport);
     for (int i = 1; i <= 5; ++i) sender.publish("NUMBERED", command("go", 10 * life + i));
     EXPECT_TRUE(soon([&] {
       receiver.handle(10);
@@ -130,16 +123,16 @@ TEST(BusMemq, APublisherThatStartsAgainIsHeard) {
 TEST(BusMemq, LostMessagesAreAskedForAndCome) {
   auto transport = std::make_shared<Transport>("memq://");
   auto elsewhere = std::make_shared<Transport>("memq://");  // a network the receiver doesn't hear
-  Bus receiver(named("receiver", Mode::kThroughput), transport);
+  Bus receiver(test_bus("receiver", Mode::kThroughput), transport);
   std::vector<std::int64_t> seqs;
   receiver.subscribe<command_t>("NUMBERED", Policy::kKeepAll,
                                 [&](const command_t& m) { seqs.push_back(m.seq); });
-  Bus sender(named("sender"), transport);
+  Bus sender(test_bus("sender"), transport);
   for (int i = 1; i <= 5; ++i) sender.publish("NUMBERED", command("go", i));
   ASSERT_TRUE(soon([&] { return receiver.handle(10), seqs.size() == 5; }));
   // A second receiver hears of number 5 only through what the sender publishes next: it asks for 1
   // to 5.
-  Bus late(named("late", Mode::kThroughput), transport);
+  Bus late(test_bus("late", Mode::kThroughput), transport);
   std::vector<std::int64_t> late_seqs;
   late.subscribe<command_t>("NUMBERED", Policy::kKeepAll,
                             [&](const command_t& m) { late_seqs.push_back(m.seq); });
@@ -149,7 +142,7 @@ TEST(BusMemq, LostMessagesAreAskedForAndCome) {
 
 TEST(BusMemq, ALateListenerGetsTheWholeTiledState) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus sender(named("sender"), transport);
+  Bus sender(test_bus("sender"), transport);
   std::thread sender_loop([&] { sender.run(); });
   TilePublisher publisher(sender, "GRID_FUSED");
   for (int revision = 1; revision <= 3; ++revision)
@@ -161,7 +154,7 @@ TEST(BusMemq, ALateListenerGetsTheWholeTiledState) {
       publisher.publish(tile);
     }
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  Bus late(named("late"), transport);
+  Bus late(test_bus("late"), transport);
   std::map<int, std::int64_t> have;
   TileReceiver receiver(late, "GRID_FUSED",
                         [&](const Tile& tile) { have[tile.key.x] = tile.revision; });
@@ -176,8 +169,8 @@ TEST(BusMemq, ALateListenerGetsTheWholeTiledState) {
 
 TEST(BusMemq, LockstepHandlesWhatStepSaysAndSaysSo) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus driver(named("replay", Mode::kThroughput), transport);
-  Bus worker(named("worker", Mode::kLockstep), transport);
+  Bus driver(test_bus("replay", Mode::kThroughput), transport);
+  Bus worker(test_bus("worker", Mode::kLockstep), transport);
   std::vector<std::int64_t> utimes;
   worker.subscribe<bot_core::pose_t>("ODOMETRY", Policy::kKeepAll,
                                      [&](const bot_core::pose_t& m) { utimes.push_back(m.utime); });
@@ -210,9 +203,9 @@ TEST(BusMemq, LockstepHandlesWhatStepSaysAndSaysSo) {
 
 TEST(BusMemq, CommandsOfTwoSendersAllArrive) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus one(named("one"), transport);
-  Bus two(named("two"), transport);
-  Bus receiver(named("receiver"), transport);
+  Bus one(test_bus("one"), transport);
+  Bus two(test_bus("two"), transport);
+  Bus receiver(test_bus("receiver"), transport);
   int handled = 0;
   receiver.subscribe<command_t>("COMMAND", Policy::kKeepAll, [&](const command_t&) { ++handled; });
   for (int i = 1; i <= 3; ++i) {

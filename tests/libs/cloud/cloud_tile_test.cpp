@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/damaged_tile.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -65,17 +67,7 @@ TEST(CloudTile, EmptyAndDamaged) {
   EXPECT_EQ(empty.encoding, TileEncoding::kEmpty);
   EXPECT_TRUE(decode_cloud_tile(empty)->empty());
   const Tile tile = encode_cloud_tile({}, {point(0.1, 0.2, 0.3)}, kResolution, 1, 1);
-  std::mt19937 random(1);
-  for (int trial = 0; trial < 2000; ++trial) {
-    Tile damaged = tile;
-    damaged.data.resize(random() % (tile.data.size() + 1));
-    for (int i = 0; i < 3 && !damaged.data.empty(); ++i)
-      damaged.data[random() % damaged.data.size()] = static_cast<std::uint8_t>(random());
-    const auto points = decode_cloud_tile(damaged);
-    if (damaged.data.size() < tile.data.size()) {
-      EXPECT_FALSE(points);
-    }
-  }
+  expect_damage_is_noticed(tile, [](const Tile& t) { return decode_cloud_tile(t); });
   Tile wrong = tile;
   wrong.data = deflate_bytes(std::vector<std::uint8_t>(10, 0));
   EXPECT_FALSE(decode_cloud_tile(wrong));

@@ -1,8 +1,8 @@
 #include "libs/grid/fused_tile.hpp"
 
-#include <random>
-
 #include <gtest/gtest.h>
+
+#include "tests/support/damaged_tile.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -40,17 +40,7 @@ TEST(FusedTile, SurvivesTheWire) {
 
 TEST(FusedTile, DamageGivesNothing) {
   Tile tile = encode_fused_tile({}, example(), 0.05, 1, 1);
-  std::mt19937 random(1);
-  for (int trial = 0; trial < 2000; ++trial) {
-    Tile damaged = tile;
-    damaged.data.resize(random() % (tile.data.size() + 1));
-    for (int i = 0; i < 3 && !damaged.data.empty(); ++i)
-      damaged.data[random() % damaged.data.size()] = static_cast<std::uint8_t>(random());
-    const auto cells = decode_fused_tile(damaged);
-    if (damaged.data.size() < tile.data.size()) {
-      EXPECT_FALSE(cells);
-    }
-  }
+  expect_damage_is_noticed(tile, [](const Tile& t) { return decode_fused_tile(t); });
   std::vector<std::uint8_t> raw(8192, 5);  // no such provenance
   tile.data = deflate_bytes(raw);
   EXPECT_FALSE(decode_fused_tile(tile));

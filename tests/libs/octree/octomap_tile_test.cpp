@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/damaged_tile.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -70,17 +72,7 @@ TEST(OctomapTile, WorstCaseFitsADatagram) {
 
 TEST(OctomapTile, DamageGivesNothing) {
   const Tile tile = encode_octomap_tile({}, example(), 0.05, 1, 1);
-  std::mt19937 random(1);
-  for (int trial = 0; trial < 2000; ++trial) {
-    Tile damaged = tile;
-    damaged.data.resize(random() % (tile.data.size() + 1));
-    for (int i = 0; i < 3 && !damaged.data.empty(); ++i)
-      damaged.data[random() % damaged.data.size()] = static_cast<std::uint8_t>(random());
-    const auto voxels = decode_octomap_tile(damaged);
-    if (damaged.data.size() < tile.data.size()) {
-      EXPECT_FALSE(voxels);
-    }
-  }
+  expect_damage_is_noticed(tile, [](const Tile& t) { return decode_octomap_tile(t); });
   Tile wrong = tile;
   wrong.data = deflate_bytes(std::vector<std::uint8_t>(4096, 0xFF));  // mask without values
   EXPECT_FALSE(decode_octomap_tile(wrong));

@@ -13,21 +13,15 @@
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 #include "tests/services/dense_mapper/synthetic_room.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
 
-BusOptions named(const std::string& name) {
-  BusOptions options;
-  options.process = name;
-  options.merge_wait_us = 0;
-  return options;
-}
-
 TEST(DenseMapperProcess, MapsWhateverComesFirst) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus bus(named("dense_mapper"), transport);
-  Bus world(named("world"), transport);
+  Bus bus(test_bus("dense_mapper"), transport);
+  Bus world(test_bus("world"), transport);
   const DenseMapperProcess process(bus);
   std::map<TileKey, Tile> grid, octomap, cloud;
   const TileReceiver grid_in(world, "GRID_VISUAL", [&](const Tile& t) { grid[t.key] = t; });

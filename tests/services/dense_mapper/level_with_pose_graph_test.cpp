@@ -14,23 +14,16 @@
 #include "services/dense_mapper/dense_mapper_process.hpp"
 #include "services/pose_graph/pose_graph_process.hpp"
 #include "tests/services/dense_mapper/carried_camera.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
 
-BusOptions named(const std::string& name) {
-  BusOptions options;
-  options.process = name;
-  options.mode = Mode::kThroughput;
-  options.merge_wait_us = 0;
-  return options;
-}
-
 TEST(LevelWithPoseGraph, AllOutputsShareTheLevelMap) {
   auto transport = std::make_shared<Transport>("memq://");
-  Bus dense_bus(named("dense_mapper"), transport);
-  Bus graph_bus(named("pose_graph"), transport);
-  Bus world(named("world"), transport);
+  Bus dense_bus(test_bus("dense_mapper", Mode::kThroughput), transport);
+  Bus graph_bus(test_bus("pose_graph", Mode::kThroughput), transport);
+  Bus world(test_bus("world", Mode::kThroughput), transport);
   const DenseMapperProcess dense(dense_bus);
   const PoseGraphProcess graph(graph_bus);
   std::map<TileKey, Tile> grid;

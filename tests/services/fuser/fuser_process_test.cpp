@@ -11,6 +11,7 @@
 #include "libs/bus/transport.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -18,19 +19,13 @@ namespace {
 class FuserOnBus : public ::testing::Test {
  protected:
   FuserOnBus() : transport_(std::make_shared<Transport>("memq://")) {
-    bus_ = std::make_unique<Bus>(options("fuser"), transport_);
-    world_ = std::make_unique<Bus>(options("world"), transport_);
+    bus_ = std::make_unique<Bus>(test_bus("fuser"), transport_);
+    world_ = std::make_unique<Bus>(test_bus("world"), transport_);
     process_ = std::make_unique<FuserProcess>(*bus_);
     receiver_ = std::make_unique<TileReceiver>(*world_, "GRID_FUSED",
                                                [this](const Tile& t) { fused_[t.key] = t; });
     submaps_ = std::make_unique<TilePublisher>(*world_, "SUBMAP");
     visual_ = std::make_unique<TilePublisher>(*world_, "GRID_VISUAL");
-  }
-  static BusOptions options(const std::string& name) {
-    BusOptions options;
-    options.process = name;
-    options.merge_wait_us = 0;
-    return options;
   }
   template <class Condition>
   bool soon(Condition condition) {

@@ -10,6 +10,7 @@
 #include "libs/messages/models.hpp"
 #include "services/lidar_mapper/lidar_mapper_process.hpp"
 #include "tests/services/lidar_mapper/flat_world.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -23,13 +24,6 @@ class LidarMapperProcessTest : public ::testing::Test {
                                       [this](const auto& m) { nodes_.push_back(m); });
     listener_.subscribe<tile_t>("SUBMAP", Policy::kKeepAll,
                                 [this](const auto& m) { tiles_.push_back(m); });
-  }
-
-  static BusOptions named(const std::string& process) {
-    BusOptions options;
-    options.process = process;
-    options.merge_wait_us = 0;
-    return options;
   }
 
   template <class Condition>
@@ -59,9 +53,9 @@ class LidarMapperProcessTest : public ::testing::Test {
   RobotModel robot_ = test_robot();
   std::mt19937 rng_{1};
   std::shared_ptr<Transport> transport_ = std::make_shared<Transport>("memq://");
-  Bus sensor_{named("sensor"), transport_};
-  Bus listener_{named("listener"), transport_};
-  Bus mapper_bus_{named("lidar_mapper"), transport_};
+  Bus sensor_{test_bus("sensor"), transport_};
+  Bus listener_{test_bus("listener"), transport_};
+  Bus mapper_bus_{test_bus("lidar_mapper"), transport_};
   LidarMapperProcess process_{mapper_bus_};
   std::vector<pose_estimate_t> poses_;
   std::vector<lidar_node_t> nodes_;

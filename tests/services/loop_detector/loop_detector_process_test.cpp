@@ -11,17 +11,10 @@
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 #include "tests/services/loop_detector/made_up_places.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
-
-BusOptions named(const std::string& process) {
-  BusOptions options;
-  options.process = process;
-  options.mode = Mode::kThroughput;
-  options.merge_wait_us = 0;
-  return options;
-}
 
 keyframe_t message_of(const LoopKeyframe& keyframe) {
   keyframe_t m{};
@@ -49,9 +42,9 @@ keyframe_t message_of(const LoopKeyframe& keyframe) {
 TEST(LoopDetectorProcess, PublishesCandidatesAndOnlyAcceptedConstraints) {
   for (const bool far : {false, true}) {
     auto transport = std::make_shared<Transport>("memq://");
-    Bus sender(named("visual_odometry"), transport);
-    Bus detector_bus(named("loop_detector"), transport);
-    Bus listener(named("listener"), transport);
+    Bus sender(test_bus("visual_odometry", Mode::kThroughput), transport);
+    Bus detector_bus(test_bus("loop_detector", Mode::kThroughput), transport);
+    Bus listener(test_bus("listener", Mode::kThroughput), transport);
     const LoopDetectorProcess process(detector_bus);
     std::vector<loop_candidate_t> candidates;
     std::vector<constraint_t> constraints;

@@ -15,6 +15,7 @@
 #include "libs/bus/transport.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -22,8 +23,8 @@ namespace {
 class PoseGraphOnBus : public ::testing::Test {
  protected:
   PoseGraphOnBus() : transport_(std::make_shared<Transport>("memq://")) {
-    bus_ = std::make_unique<Bus>(options("pose_graph"), transport_);
-    world_ = std::make_unique<Bus>(options("world"), transport_);
+    bus_ = std::make_unique<Bus>(test_bus("pose_graph", Mode::kThroughput), transport_);
+    world_ = std::make_unique<Bus>(test_bus("world", Mode::kThroughput), transport_);
     process_ = std::make_unique<PoseGraphProcess>(*bus_);
     world_->subscribe<graph_t>("GRAPH", Policy::kKeepAll, [this](const graph_t& m) {
       if (m.complete != 0) complete_nodes_[m.part] = m.nodes.size();
@@ -34,13 +35,6 @@ class PoseGraphOnBus : public ::testing::Test {
     });
     world_->subscribe<pose_estimate_t>("POSE", Policy::kKeepAll,
                                        [this](const pose_estimate_t& m) { poses_.push_back(m); });
-  }
-  static BusOptions options(const std::string& name) {
-    BusOptions options;
-    options.process = name;
-    options.mode = Mode::kThroughput;
-    options.merge_wait_us = 0;
-    return options;
   }
   template <class Condition>
   bool soon(Condition condition) {

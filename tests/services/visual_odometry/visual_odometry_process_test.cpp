@@ -12,17 +12,10 @@
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 #include "tests/services/visual_odometry/rendered_wall.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
-
-BusOptions named(const std::string& process) {
-  BusOptions options;
-  options.process = process;
-  options.mode = Mode::kThroughput;
-  options.merge_wait_us = 0;
-  return options;
-}
 
 class ProcessOnTheBus : public testing::Test {
  protected:
@@ -57,9 +50,9 @@ class ProcessOnTheBus : public testing::Test {
   }
 
   std::shared_ptr<Transport> transport_ = std::make_shared<Transport>("memq://");
-  Bus sensors_{named("sensors"), transport_};
-  Bus odometry_bus_{named("visual_odometry"), transport_};
-  Bus listener_{named("listener"), transport_};
+  Bus sensors_{test_bus("sensors", Mode::kThroughput), transport_};
+  Bus odometry_bus_{test_bus("visual_odometry", Mode::kThroughput), transport_};
+  Bus listener_{test_bus("listener", Mode::kThroughput), transport_};
   VisualOdometryProcess process_{odometry_bus_};
   CameraModel camera_;
   RobotModel robot_;

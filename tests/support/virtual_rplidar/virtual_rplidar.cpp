@@ -11,6 +11,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "libs/clock/clock.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -21,12 +23,6 @@ constexpr double kUsualPeriod_s = 500e-6;
 constexpr auto kMostOnTheLine = std::chrono::milliseconds(100);
 constexpr auto kBoot = std::chrono::milliseconds(300);
 const char kBootText[] = "RP LIDAR System.\r\nFirmware Ver 1.29 - rc9, HW Ver 7\r\nModel: 18\r\n";
-
-std::int64_t wall_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 std::chrono::steady_clock::duration seconds(double s) {
   return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
