@@ -9,6 +9,7 @@
 #include "libs/bus/transport.hpp"
 #include "libs/eventlog/reader.hpp"
 #include "libs/process/private_network.hpp"
+#include "logplayer/report/report.hpp"
 #include "logplayer/run/crew.hpp"
 #include "logplayer/run/interrupt.hpp"
 #include "logplayer/run/listener.hpp"
@@ -141,7 +142,7 @@ void remove_results(const RunOptions& options) {
   for (const char* name :
        {"trajectory.tum", "live.tum", "groundtruth.tum", "map.pgm", "map.yaml", "map.png",
         "lidar_map.pgm", "lidar_map.yaml", "visual_map.pgm", "visual_map.yaml", "octomap.bt",
-        "cloud.ply", "metrics.json", "session.lcmlog"})
+        "cloud.ply", "metrics.json", "report.html", "session.lcmlog"})
     results.push_back(options.out / name);
   for (const auto& result : results)
     for (const auto& input : {options.log, options.relations})
@@ -151,6 +152,15 @@ void remove_results(const RunOptions& options) {
                                  ": give another folder than " + options.out.string() +
                                  " to --out");
   for (const auto& result : results) std::filesystem::remove(result);
+}
+
+// The results are there already: a page that can't be made is no reason to fail.
+void write_page(const RunOptions& options) {
+  try {
+    write_report({options.out, {}, {}});
+  } catch (const std::exception& error) {
+    std::cerr << "run: no report.html: " << error.what() << "\n";
+  }
 }
 
 void tell(const RunOptions& options, const Outcome& outcome) {
@@ -167,7 +177,7 @@ void tell(const RunOptions& options, const Outcome& outcome) {
               << " events of the log could not be decoded: `fusion-slam verify` says which\n";
   std::cout << "  files in " << options.out.string() << ":";
   for (const std::string& name : outcome.session.files) std::cout << " " << name;
-  std::cout << " metrics.json\n";
+  std::cout << " metrics.json report.html\n";
   for (const auto& missing : outcome.session.missing)
     std::cout << "  no " << missing.name << ": " << missing.reason << "\n";
 }
@@ -185,6 +195,7 @@ int run_log(const RunOptions& options) {
             << network.description << "\n";
   const Outcome outcome = replay(options, network.url);
   write_metrics(options, outcome);
+  write_page(options);
   tell(options, outcome);
   if (outcome.problem.empty()) return 0;
   std::cerr << "run: " << outcome.problem << "\n";
