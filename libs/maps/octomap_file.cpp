@@ -21,10 +21,7 @@ std::optional<octomap::OcTreeKey> octree_key(const TileKey& tile, const OctomapV
   return key;
 }
 
-}  // namespace
-
-std::optional<std::string> octomap_bt_bytes(const std::map<TileKey, Tile>& tiles,
-                                            std::string* why) {
+std::optional<octomap::OcTree> tree_of(const std::map<TileKey, Tile>& tiles, std::string* why) {
   std::optional<octomap::OcTree> tree;
   for (const auto& [key, tile] : tiles) {
     if (key.submap_id != 0 || tile.encoding != TileEncoding::kOctomap) continue;
@@ -38,16 +35,43 @@ std::optional<std::string> octomap_bt_bytes(const std::map<TileKey, Tile>& tiles
   }
   if (!tree || tree->size() == 0) return *why = "no voxel of the map is known", std::nullopt;
   tree->updateInnerOccupancy();
+  return tree;
+}
+
+// Headers as OctoMap's writeBinary() and write() write them, which would also chat on the terminal.
+std::string header(const char* kind, const octomap::OcTree& tree) {
+  std::ostringstream out;
+  out << "# Octomap OcTree " << kind
+      << "\n# (feel free to add / change comments, but leave the first line as it is!)\n#\nid "
+         "OcTree"
+         "\nsize "
+      << tree.size() << "\nres " << tree.getResolution() << "\ndata\n";
+  return out.str();
+}
+
+}  // namespace
+
+std::optional<std::string> octomap_bt_bytes(const std::map<TileKey, Tile>& tiles,
+                                            std::string* why) {
+  auto tree = tree_of(tiles, why);
+  if (!tree) return std::nullopt;
   tree->toMaxLikelihood();  // a binary tree only knows occupied and free
   tree->prune();
-  // The header as OctoMap's writeBinary() writes it, which would also chat on the terminal.
   std::ostringstream out;
-  out << "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first "
-         "line as it is!)\n#\nid OcTree\nsize "
-      << tree->size() << "\nres " << tree->getResolution() << "\ndata\n";
   tree->writeBinaryData(out);
   if (!out) return *why = "OctoMap could not write its tree", std::nullopt;
-  return out.str();
+  return header("binary file", *tree) + out.str();
+}
+
+std::optional<std::string> octomap_ot_bytes(const std::map<TileKey, Tile>& tiles,
+                                            std::string* why) {
+  auto tree = tree_of(tiles, why);
+  if (!tree) return std::nullopt;
+  tree->prune();
+  std::ostringstream out;
+  tree->writeData(out);
+  if (!out) return *why = "OctoMap could not write its tree", std::nullopt;
+  return header("file", *tree) + out.str();
 }
 
 }  // namespace fusion_slam

@@ -1,4 +1,4 @@
-// octomap.bt, as octovis and octomap_server read it.
+// octomap.bt and octomap.ot, as octovis and octomap_server read them.
 #pragma once
 
 #include <map>
@@ -16,5 +16,8 @@ namespace fusion_slam {
 // OctoMap's key range (32768 voxels from the origin), are left out; a tile that can't be decoded,
 // too.
 std::optional<std::string> octomap_bt_bytes(const std::map<TileKey, Tile>& tiles, std::string* why);
+
+// The same with the log-odds of each voxel.
+std::optional<std::string> octomap_ot_bytes(const std::map<TileKey, Tile>& tiles, std::string* why);
 
 }  // namespace fusion_slam

@@ -1,6 +1,7 @@
 #include "libs/maps/octomap_file.hpp"
 
 #include <limits>
+#include <memory>
 #include <random>
 #include <sstream>
 
@@ -50,6 +51,35 @@ TEST(OctomapFile, OctomapReadsItAgain) {
     volume += edge * edge * edge;
   }
   EXPECT_EQ(volume, known);
+}
+
+TEST(OctomapFile, TheFullTreeKeepsItsLogOdds) {
+  VoxelCells cells;
+  cells.fill(kUnknownVoxel);
+  cells[5] = 60;
+  cells[6] = -40;
+  cells[7] = 12;
+  const TileKey key{0, -1, 2, -3};
+  const std::map<TileKey, Tile> tiles{{key, encode_octomap_tile(key, cells, 0.05, 1, 0)}};
+  std::string why;
+  const auto bytes = octomap_ot_bytes(tiles, &why);
+  ASSERT_TRUE(bytes) << why;
+  EXPECT_EQ(*bytes, golden("three_voxels.ot"));
+  std::istringstream in(*bytes);
+  const std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(in));
+  const auto* tree = dynamic_cast<const octomap::OcTree*>(read.get());
+  ASSERT_NE(tree, nullptr);
+  EXPECT_DOUBLE_EQ(tree->getResolution(), 0.05);
+  const auto voxels = decode_octomap_tile(tiles.at(key));
+  ASSERT_TRUE(voxels);
+  ASSERT_EQ(voxels->size(), 3U);
+  for (const OctomapVoxel& voxel : *voxels) {
+    const Eigen::Vector3d p = voxel_centre_m(tiles.at(key), voxel);
+    const auto* node = tree->search(p.x(), p.y(), p.z());
+    ASSERT_NE(node, nullptr);
+    EXPECT_FLOAT_EQ(node->getLogOdds(), voxel.log_odds);
+  }
+  EXPECT_FALSE(octomap_ot_bytes({}, &why));
 }
 
 TEST(OctomapFile, NothingKnownHasAReason) {
