@@ -102,8 +102,8 @@ void NoisyCamera::depth_row(const RenderedFrame& ideal, const cv::Mat_<float>& d
   const std::uint64_t base = stream_base(seed_, kDepthStream, shot.index, v);
   const int pitch = noise_.correlation_px, across = camera_.width_px / pitch + 2;
   const float fv = static_cast<float>(v % pitch) / static_cast<float>(pitch);
-  const float* top =
-      patches.empty() ? nullptr : &patches[static_cast<std::size_t>(v / pitch * across)];
+  const int top_row = v / pitch * across;
+  const float* top = patches.empty() ? nullptr : &patches[static_cast<std::size_t>(top_row)];
   const float common = std::sqrt(static_cast<float>(noise_.correlated_share));
   const float own = std::sqrt(1.0F - static_cast<float>(noise_.correlated_share));
   // Interpolation between nodes averages: divided by this, the noise has one sigma everywhere.

@@ -32,9 +32,9 @@ std::array<std::int16_t, 256> make_log_odds() {
 
 std::array<std::uint8_t, 2 * kLargest + 1> make_bytes() {
   std::array<std::uint8_t, 2 * kLargest + 1> table{};
+  std::size_t at = 0;
   for (int i = -kLargest; i <= kLargest; ++i)
-    table[static_cast<std::size_t>(i + kLargest)] =
-        cell_from_probability(1.0 / (1.0 + std::exp(-i * kUnit)));
+    table[at++] = cell_from_probability(1.0 / (1.0 + std::exp(-i * kUnit)));
   return table;
 }
 
@@ -195,8 +195,9 @@ bool GridMosaic::compose_tile(const TileIndex& index, const CellBox& box) {
   for (int y = box.y0; y < box.y1; ++y)
     for (int x = box.x0; x < box.x1; ++x) {
       const std::size_t i = cell_at(x, y);
+      const int above_least = sums[i] + kLargest;
       const std::uint8_t cell =
-          sums[i] == kNothing ? kUnknownCell : kBytes[static_cast<std::size_t>(sums[i] + kLargest)];
+          sums[i] == kNothing ? kUnknownCell : kBytes[static_cast<std::size_t>(above_least)];
       changed |= cells[i] != cell;
       cells[i] = cell;
     }
