@@ -81,6 +81,7 @@ void copy_cube(const CubeIndex& index, const VoxelCells& cells, VoxelBlocks* vox
   for (int z = 0; z < kOctomapTileVoxels; ++z)
     for (int y = 0; y < kOctomapTileVoxels; ++y)
       for (int x = 0; x < kOctomapTileVoxels; ++x, ++i)
+        // NOLINTNEXTLINE(bugprone-signed-char-misuse): steps of log-odds, no characters
         if (cells[i] != kUnknownVoxel) writer.at(x0 + x, y0 + y, z0 + z) = cells[i];
 }
 
