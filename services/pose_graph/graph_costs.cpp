@@ -7,8 +7,6 @@
 namespace fusion_slam {
 namespace {
 
-using Jacobian7 = Eigen::Matrix<double, 6, 7, Eigen::RowMajor>;
-
 // d log(R Exp(d)) / d d at d = 0, with v = log(R).
 Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& v) {
   const double angle = v.norm();
@@ -19,42 +17,6 @@ Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& v) {
 }
 
 }  // namespace
-
-PoseBlock to_block(const SE3& T) {
-  const Eigen::Quaterniond q(T.linear());
-  return {
-      T.translation().x(), T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(), q.w()};
-}
-
-SE3 from_block(const double* b) {
-  return make_pose(Eigen::Vector3d(b[0], b[1], b[2]), b[6], b[3], b[4], b[5]);
-}
-
-bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
-  const Eigen::Map<const Vector6d> xi(delta);
-  const PoseBlock block = to_block(retract(from_block(x), xi));
-  std::copy(block.begin(), block.end(), x_plus_delta);
-  return true;
-}
-
-bool PoseManifold::PlusJacobian(const double*, double* jacobian) const {
-  Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> J(jacobian);
-  J.setZero();
-  J.topRows<6>().setIdentity();
-  return true;
-}
-
-bool PoseManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
-  Eigen::Map<Vector6d>{y_minus_x} = local(from_block(x), from_block(y));
-  return true;
-}
-
-bool PoseManifold::MinusJacobian(const double*, double* jacobian) const {
-  Eigen::Map<Jacobian7> J(jacobian);
-  J.setZero();
-  J.leftCols<6>().setIdentity();
-  return true;
-}
 
 // With P = T_from^-1 T_to and E = M^-1 P (M measured), error (t_E, log R_E):
 //   to   -> to * Exp(d):   t_E += R_E dt,              log += Jr^-1 dr
@@ -86,12 +48,8 @@ bool RelativePoseCost::Evaluate(const double* const* parameters, double* residua
   Eigen::Map<Vector6d>{residuals} = sqrt_information_ * error;
   if (jacobians == nullptr) return true;
   const Matrix6d* J[2] = {&J_from, &J_to};
-  for (int i = 0; i < 2; ++i) {
-    if (jacobians[i] == nullptr) continue;
-    Eigen::Map<Jacobian7> out(jacobians[i]);
-    out.leftCols<6>() = sqrt_information_ * *J[i];
-    out.col(6).setZero();
-  }
+  for (int i = 0; i < 2; ++i)
+    if (jacobians[i] != nullptr) to_block_jacobian<6>(sqrt_information_ * *J[i], jacobians[i]);
   return true;
 }
 
@@ -113,10 +71,7 @@ bool PlanarCost::Evaluate(const double* const* parameters, double* residuals,
   Eigen::Matrix<double, 3, 6> J;
   Eigen::Map<Eigen::Vector3d>{residuals} =
       planar_residual(sigma_z_m_, sigma_tilt_rad_, from_block(parameters[0]), &J);
-  if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-  Eigen::Map<Eigen::Matrix<double, 3, 7, Eigen::RowMajor>> out(jacobians[0]);
-  out.leftCols<6>() = J;
-  out.col(6).setZero();
+  if (jacobians != nullptr && jacobians[0] != nullptr) to_block_jacobian<3>(J, jacobians[0]);
   return true;
 }
 

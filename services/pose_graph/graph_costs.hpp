@@ -1,33 +1,13 @@
-// The residuals of the pose graph, with analytic Jacobians, and the SE(3) manifold they live on.
+// The residuals of the pose graph, with analytic Jacobians. Poses are blocks of libs/pose_manifold.
 #pragma once
 
-#include <array>
-
 #include <ceres/loss_function.h>
-#include <ceres/manifold.h>
 #include <ceres/sized_cost_function.h>
 
 #include "libs/geometry/pose.hpp"
+#include "libs/pose_manifold/pose_manifold.hpp"
 
 namespace fusion_slam {
-
-// A pose as Ceres' parameter block: x, y, z, then quaternion x, y, z, w.
-using PoseBlock = std::array<double, 7>;
-PoseBlock to_block(const SE3& T);
-SE3 from_block(const double* block);
-
-// Plus is retract(): T * (t, Exp(r)). Its Jacobian is declared as [I6; 0], and every cost below
-// returns derivatives by that increment in the first six columns: the quaternion's own derivative
-// is never formed (as OKVIS does it).
-class PoseManifold final : public ceres::Manifold {
- public:
-  int AmbientSize() const override { return 7; }
-  int TangentSize() const override { return 6; }
-  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
-  bool PlusJacobian(const double* x, double* jacobian) const override;
-  bool Minus(const double* y, const double* x, double* y_minus_x) const override;
-  bool MinusJacobian(const double* x, double* jacobian) const override;
-};
 
 // local(T_from_to, T_from^-1 * T_to), and its derivatives by the increments of T_from and T_to
 // (both pointers or none).

@@ -10,6 +10,7 @@
 #include <ceres/solver.h>
 
 #include "libs/features/pose_refiner.hpp"
+#include "libs/pose_manifold/pose_manifold.hpp"
 #include "services/visual_odometry/bundle_costs.hpp"
 #include "services/visual_odometry/correspondences.hpp"
 
@@ -45,7 +46,7 @@ Blocks<Block> in_one_piece(const std::map<std::int64_t, Block>& scattered) {
 }
 
 struct Bundle {
-  Blocks<CameraPoseBlock> poses;         // moving ones and those that hold
+  Blocks<PoseBlock> poses;               // moving ones and those that hold
   Blocks<std::array<double, 3>> points;  // seen at least twice within the map
   std::vector<Link> links;
   std::set<std::int64_t> fixed;
@@ -72,7 +73,7 @@ Bundle gather(const std::vector<std::int64_t>& moving, const std::vector<double>
   for (const std::int64_t id : moving)
     if (const MapKeyframe* keyframe = map.keyframe(id))
       seen.insert(keyframe->landmark_of_feature.begin(), keyframe->landmark_of_feature.end());
-  std::map<std::int64_t, CameraPoseBlock> poses;
+  std::map<std::int64_t, PoseBlock> poses;
   std::map<std::int64_t, std::array<double, 3>> points;
   for (const std::int64_t id : seen) {
     const Landmark* landmark = id == 0 ? nullptr : map.landmark(id);
@@ -81,7 +82,7 @@ Bundle gather(const std::vector<std::int64_t>& moving, const std::vector<double>
     if (links.size() < 2) continue;
     points[id] = {landmark->p_odom.x(), landmark->p_odom.y(), landmark->p_odom.z()};
     for (const Link& link : links) {
-      poses.emplace(link.keyframe, to_camera_block(map.keyframe(link.keyframe)->T_odom_camera));
+      poses.emplace(link.keyframe, to_block(map.keyframe(link.keyframe)->T_odom_camera));
       if (!std::binary_search(moving.begin(), moving.end(), link.keyframe))
         bundle.fixed.insert(link.keyframe);
     }
@@ -107,7 +108,7 @@ ceres::Solver::Options solver_options(const VisualOdometryConfig& config) {
 void solve(const CameraModel& camera, const VisualOdometryConfig& config, Bundle* bundle,
            BundleResult* result) {
   ceres::Problem::Options owns;
-  CameraPoseManifold manifold;
+  PoseManifold manifold;
   ceres::HuberLoss with_depth(std::sqrt(config.refine.gate_3d));
   ceres::HuberLoss bearing_only(std::sqrt(config.refine.gate_2d));
   owns.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -115,7 +116,7 @@ void solve(const CameraModel& camera, const VisualOdometryConfig& config, Bundle
   ceres::Problem problem(owns);
   ceres::Solver::Options options = solver_options(config);
   for (const auto& [id, i] : bundle->poses.index) {
-    CameraPoseBlock& block = bundle->poses.blocks[i];
+    PoseBlock& block = bundle->poses.blocks[i];
     problem.AddParameterBlock(block.data(), 7, &manifold);
     options.linear_solver_ordering->AddElementToGroup(block.data(), 1);
     if (bundle->fixed.count(id) > 0)
@@ -165,7 +166,7 @@ BundleResult adjust_bundle(const CameraModel& camera, const std::vector<std::int
 
   for (const auto& [id, i] : bundle.poses.index) {
     if (bundle.fixed.count(id) > 0) continue;
-    const SE3 T_odom_camera = from_camera_block(bundle.poses.blocks[i].data());
+    const SE3 T_odom_camera = from_block(bundle.poses.blocks[i].data());
     MapKeyframe* keyframe = map->keyframe(id);
     carry_along(*keyframe, T_odom_camera, bundle, map);
     keyframe->T_odom_camera = T_odom_camera;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/numeric_jacobians.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -18,43 +20,6 @@ Matrix6d random_covariance(std::mt19937& rng) {
   Matrix6d A;
   for (int i = 0; i < 36; ++i) A(i / 6, i % 6) = u(rng);
   return A * A.transpose() + 0.1 * Matrix6d::Identity();
-}
-
-// Central differences along the manifold against what the cost says.
-void expect_jacobians_match(const ceres::CostFunction& cost, std::vector<PoseBlock> blocks) {
-  const int n_residuals = cost.num_residuals();
-  std::vector<const double*> pointers;
-  for (const PoseBlock& block : blocks) pointers.push_back(block.data());
-  std::vector<std::vector<double>> analytic(blocks.size(),
-                                            std::vector<double>(n_residuals * 7, 1e9));
-  std::vector<double*> jacobians;
-  for (auto& J : analytic) jacobians.push_back(J.data());
-  std::vector<double> residuals(n_residuals);
-  ASSERT_TRUE(cost.Evaluate(pointers.data(), residuals.data(), jacobians.data()));
-
-  const double h = 1e-6;
-  const PoseManifold manifold;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const PoseBlock original = blocks[b];
-    for (int k = 0; k < 6; ++k) {
-      std::vector<double> plus(n_residuals);
-      std::vector<double> minus(n_residuals);
-      Vector6d delta = Vector6d::Zero();
-      delta[k] = h;
-      manifold.Plus(original.data(), delta.data(), blocks[b].data());
-      cost.Evaluate(pointers.data(), plus.data(), nullptr);
-      delta[k] = -h;
-      manifold.Plus(original.data(), delta.data(), blocks[b].data());
-      cost.Evaluate(pointers.data(), minus.data(), nullptr);
-      blocks[b] = original;
-      for (int r = 0; r < n_residuals; ++r) {
-        const double numeric = (plus[r] - minus[r]) / (2.0 * h);
-        EXPECT_NEAR(analytic[b][r * 7 + k], numeric, 1e-5 * (1.0 + std::abs(numeric)))
-            << "block " << b << " residual " << r << " direction " << k;
-      }
-    }
-    for (int r = 0; r < n_residuals; ++r) EXPECT_EQ(analytic[b][r * 7 + 6], 0.0);
-  }
 }
 
 TEST(GraphCosts, RelativePoseJacobiansAgreeWithNumericOnes) {
@@ -88,20 +53,6 @@ TEST(GraphCosts, ResidualIsTheWhitenedLocalError) {
   const RelativePoseCost cost(measured, sqrt_information(covariance));
   ASSERT_TRUE(cost.Evaluate(parameters, residual.data(), nullptr));
   EXPECT_NEAR(residual.squaredNorm(), xi.dot(covariance.inverse() * xi), 1e-9);
-}
-
-TEST(GraphCosts, ManifoldIsRetractAndItsInverse) {
-  std::mt19937 rng(4);
-  const PoseManifold manifold;
-  for (int i = 0; i < 20; ++i) {
-    const PoseBlock x = to_block(random_pose(rng));
-    const PoseBlock y = to_block(random_pose(rng));
-    Vector6d delta;
-    PoseBlock back;
-    manifold.Minus(y.data(), x.data(), delta.data());
-    manifold.Plus(x.data(), delta.data(), back.data());
-    EXPECT_TRUE(from_block(back.data()).isApprox(from_block(y.data()), 1e-9));
-  }
 }
 
 TEST(GraphCosts, GraduatedLossDerivativesAgreeWithNumericOnes) {

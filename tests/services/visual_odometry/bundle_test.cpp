@@ -5,13 +5,14 @@
 #include "services/visual_odometry/bundle_costs.hpp"
 #include "services/visual_odometry/local_bundle_adjustment.hpp"
 #include "tests/services/visual_odometry/made_up_map.hpp"
+#include "tests/support/numeric_jacobians.hpp"
 
 namespace fusion_slam {
 namespace {
 
 TEST(BundleCosts, JacobiansAgreeWithNumericOnes) {
   const CameraModel camera;
-  const CameraPoseManifold manifold;
+  const PoseManifold manifold;
   for (const double depth_m : {2.1, 0.0}) {
     Correspondence seen;
     seen.pixel = {300.0, 200.0};
@@ -19,7 +20,7 @@ TEST(BundleCosts, JacobiansAgreeWithNumericOnes) {
     seen.depth_m = depth_m;
     seen.depth_sigma_m = 0.02;
     const ObservationCost cost(camera, seen);
-    CameraPoseBlock pose = to_camera_block(from_xyz_rpy(0.1, 0.2, -0.1, 0.1, -0.2, 0.3));
+    PoseBlock pose = to_block(from_xyz_rpy(0.1, 0.2, -0.1, 0.1, -0.2, 0.3));
     std::array<double, 3> point{0.2, 0.1, 2.0};
     std::array<double, 21> by_pose{};
     std::array<double, 9> by_point{};
@@ -33,7 +34,7 @@ TEST(BundleCosts, JacobiansAgreeWithNumericOnes) {
     evaluate(jacobians);
     constexpr double kStep = 1e-6;
     for (int i = 0; i < 6; ++i) {
-      const CameraPoseBlock at = pose;
+      const PoseBlock at = pose;
       Vector6d delta = Vector6d::Zero();
       Eigen::Vector3d ends[2];
       for (const int side : {0, 1}) {
@@ -58,16 +59,13 @@ TEST(BundleCosts, JacobiansAgreeWithNumericOnes) {
   }
 }
 
-TEST(BundleCosts, PlusAndMinusAreInverse) {
-  const CameraPoseManifold manifold;
-  const CameraPoseBlock x = to_camera_block(from_xyz_rpy(1, 2, 3, 0.4, -0.5, 2.0));
-  Vector6d delta;
-  delta << 0.1, -0.2, 0.3, 0.2, 0.1, -0.3;
-  CameraPoseBlock y;
-  Vector6d back;
-  manifold.Plus(x.data(), delta.data(), y.data());
-  manifold.Minus(y.data(), x.data(), back.data());
-  EXPECT_LT((back - delta).norm(), 1e-9);
+TEST(BundleCosts, PlanarPriorJacobianAgreesWithNumericOne) {
+  PlanarPrior prior;
+  prior.T_base_camera = from_xyz_rpy(0.1, -0.02, 0.35, -1.7, 0.05, -1.5);
+  for (const double tilt : {0.0, 0.01, -0.4}) {
+    const SE3 T_odom_base = from_xyz_rpy(0.3, -0.2, 0.02, tilt, -2.0 * tilt, 0.7);
+    expect_jacobians_match(PlanarPriorCost(prior), {to_block(T_odom_base * prior.T_base_camera)});
+  }
 }
 
 void disturb(VisualMap* map, std::int64_t but) {
