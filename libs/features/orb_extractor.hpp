@@ -20,6 +20,7 @@ struct OrbConfig {
   int fast_threshold = 20;     // grey levels; what is used where there is texture
   int fast_threshold_low = 5;  // where a cell has no corner at the threshold above: twice the
                                // noise of a cheap camera
+  bool sub_pixel = false;      // corners to fractions of a pixel of their level
 };
 
 class OrbExtractor {

@@ -55,6 +55,8 @@ struct VisualOdometryConfig {
   int local_near_keyframes = 10;
   double local_near_m = 2.0;
   double local_near_cosine = 0.5;  // 60 degrees between the views
+  int agree_landmarks = 15;        // of a near keyframe, found in the newest one
+  double agree_share = 0.5;        // of these where they should be: else the place isn't used
   int covisible_landmarks = 15;    // shared, to be neighbours at all
 
   // Local mapping. The adjustment takes about 100 ms; 6 frames are 200 ms.

@@ -20,9 +20,8 @@ bool redundant(const VisualMap& map, const MapKeyframe& keyframe,
   for (std::size_t i = 0; i < keyframe.landmark_of_feature.size(); ++i) {
     const std::int64_t id = keyframe.landmark_of_feature[i];
     const Landmark* landmark = id == 0 ? nullptr : map.landmark(id);
-    if (landmark == nullptr && keyframe.features->features[i].depth_m <= 0.0F) continue;
-    ++n;  // what was never seen again is nobody else's either
-    if (landmark == nullptr) continue;
+    if (landmark == nullptr || keyframe.features->features[i].depth_m <= 0.0F) continue;
+    ++n;
     const int octave = keyframe.features->features[i].octave;
     if (fine_views(map, *landmark, keyframe.id, octave) >= config.redundant_views) ++n_well_seen;
   }

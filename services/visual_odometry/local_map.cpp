@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "services/visual_odometry/place_agreement.hpp"
+
 namespace fusion_slam {
 
 std::vector<std::pair<std::int64_t, int>> covisible_keyframes(const VisualMap& map,
@@ -25,7 +27,8 @@ std::vector<std::pair<std::int64_t, int>> covisible_keyframes(const VisualMap& m
 }
 
 std::vector<std::int64_t> local_keyframes(const VisualMap& map, int segment,
-                                          const SE3& T_odom_camera,
+                                          const SE3& T_odom_camera, const CameraModel& camera,
+                                          const std::vector<double>& scale_of_octave,
                                           const VisualOdometryConfig& config) {
   std::set<std::int64_t> chosen;
   std::vector<std::pair<double, std::int64_t>> near;
@@ -50,11 +53,16 @@ std::vector<std::int64_t> local_keyframes(const VisualMap& map, int segment,
     const MapKeyframe* keyframe = map.keyframe(id);
     if (keyframe != nullptr && keyframe->segment == segment && chosen.insert(id).second) ++taken;
   }
+  const MapKeyframe* now = map.keyframe(newest);
+  if (near.empty() || now == nullptr) return {chosen.begin(), chosen.end()};
+  const FeatureGrid grid(now->features->features, camera.width_px, camera.height_px);
   std::sort(near.begin(), near.end());
-  taken = 0;
+  int judged = 0;
   for (const auto& [distance, id] : near) {
-    if (taken >= config.local_near_keyframes) break;
-    if (chosen.insert(id).second) ++taken;
+    if (chosen.count(id) > 0) continue;
+    if (++judged > config.local_near_keyframes) break;
+    if (agrees(map, *map.keyframe(id), *now, grid, camera, scale_of_octave, config))
+      chosen.insert(id);
   }
   return {chosen.begin(), chosen.end()};
 }

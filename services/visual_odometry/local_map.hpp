@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "libs/camera/camera_model.hpp"
 #include "services/visual_odometry/config.hpp"
 #include "services/visual_odometry/visual_map.hpp"
 
@@ -22,9 +23,11 @@ using LocalMap = std::vector<TrackPoint>;  // ascending in landmark
 
 // Keyframes whose landmarks may be seen from T_odom_camera, ascending: the newest ones, those that
 // share most landmarks with the newest (Mur-Artal et al. 2015, section V-D), and those that looked
-// at the same place before, however long ago. Of one segment. Deterministic.
+// at the same place before, however long ago, and agree with the newest (place_agreement.hpp). Of
+// one segment. Deterministic.
 std::vector<std::int64_t> local_keyframes(const VisualMap& map, int segment,
-                                          const SE3& T_odom_camera,
+                                          const SE3& T_odom_camera, const CameraModel& camera,
+                                          const std::vector<double>& scale_of_octave,
                                           const VisualOdometryConfig& config);
 
 // The landmarks that these keyframes see.

@@ -167,7 +167,8 @@ std::map<std::int64_t, std::int64_t> VisualOdometry::finish_mapping() {
 }
 
 void VisualOdometry::renew_local_map() {
-  local_ = make_local_map(map_, local_keyframes(map_, segment_, T_odom_camera_, config_));
+  local_ = make_local_map(
+      map_, local_keyframes(map_, segment_, T_odom_camera_, camera_, scales_, config_));
 }
 
 SE3 VisualOdometry::T_odom_reference() const {
@@ -184,19 +185,22 @@ std::optional<SE3> VisualOdometry::lidar_prediction(std::int64_t utime_us) const
 
 // Where the camera may be, likeliest first: as it moved before; as the LiDAR says, which goes first
 // when vision was weak.
-std::vector<SE3> VisualOdometry::guesses(std::int64_t utime_us) const {
-  std::vector<SE3> result{motion_.predict(utime_us)};
+std::vector<VisualOdometry::Guess> VisualOdometry::guesses(std::int64_t utime_us) const {
+  std::vector<Guess> result{{motion_.predict(utime_us), false}};
   if (const std::optional<SE3> predicted = lidar_prediction(utime_us))
-    result.insert(weak_ ? result.begin() : result.end(), *predicted);
+    result.insert(weak_ ? result.begin() : result.end(), {*predicted, true});
   return result;
 }
 
-std::optional<PoseEstimate> VisualOdometry::track_from(const std::vector<SE3>& guesses,
+std::optional<PoseEstimate> VisualOdometry::track_from(const std::vector<Guess>& guesses,
                                                        const FeatureSet& set) {
-  for (const SE3& guess : guesses)
-    if (auto estimate =
-            track_local_map(local_, camera_, guess, set, scales_, config_.wide_radius_px, config_))
-      return estimate;
+  for (const Guess& guess : guesses) {
+    auto estimate = track_local_map(local_, camera_, guess.T_odom_camera, set, scales_,
+                                    config_.wide_radius_px, config_);
+    if (!estimate) continue;
+    counts_.lidar_guesses += guess.by_lidar ? 1 : 0;
+    return estimate;
+  }
   return track_local_map(local_, camera_, T_odom_camera_, set, scales_,
                          2.0 * config_.wide_radius_px, config_);
 }

@@ -51,9 +51,13 @@ class VisualOdometry {
   void take_up_news();
   std::map<std::int64_t, std::int64_t> finish_mapping();  // landmarks that became others
   void renew_local_map();
-  std::vector<SE3> guesses(std::int64_t utime_us) const;
+  struct Guess {
+    SE3 T_odom_camera = SE3::Identity();
+    bool by_lidar = false;
+  };
+  std::vector<Guess> guesses(std::int64_t utime_us) const;
   std::optional<SE3> lidar_prediction(std::int64_t utime_us) const;  // T_odom_camera
-  std::optional<PoseEstimate> track_from(const std::vector<SE3>& guesses, const FeatureSet& set);
+  std::optional<PoseEstimate> track_from(const std::vector<Guess>& guesses, const FeatureSet& set);
   std::optional<PoseEstimate> carry_on(std::int64_t utime_us, const SurfaceView& now,
                                        const FeatureSet& set);
   std::optional<PoseEstimate> find_again(const FeatureSet& set);

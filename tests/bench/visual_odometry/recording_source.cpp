@@ -88,7 +88,10 @@ Trajectory play_log(const std::string& path, const std::string& lidar_poses,
     if (!camera || !robot) continue;
     if (!announced) listener.models(*camera, *robot);
     announced = true;
-    if (event.channel == "LIDAR") {
+    if (event.channel == "ODOMETRY") {
+      const auto m = decoded<bot_core::pose_t>(event);
+      if (const auto T = m ? from_message(*m) : std::nullopt) listener.odometry(m->utime, *T);
+    } else if (event.channel == "LIDAR") {
       const auto m = decoded<bot_core::planar_lidar_t>(event);
       if (const auto scan = m ? from_message(*m, &why) : std::nullopt) listener.scan(*scan);
     } else if (event.channel == "CAMERA") {

@@ -18,6 +18,7 @@ struct BenchListener {
   std::function<void(const RgbdFrame&)> frame;
   std::function<void(const LaserScan&)> scan;
   std::function<void(std::int64_t utime_us, const SE3& T_odom_base)> lidar_pose;
+  std::function<void(std::int64_t utime_us, const SE3& T_odom_base)> odometry;  // wheels
 };
 
 // Plays the recording in order of time and returns its reference: T_world of the robot's reference

@@ -17,7 +17,10 @@
 #include "libs/evaluation/tum_file.hpp"
 #include "services/visual_odometry/visual_odometry.hpp"
 #include "tests/bench/visual_odometry/keyframe_picture.hpp"
+#include "tests/bench/visual_odometry/lidar_predictor.hpp"
+#include "tests/bench/visual_odometry/lost_spells.hpp"
 #include "tests/bench/visual_odometry/recording_source.hpp"
+#include "tests/bench/visual_odometry/standing.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -50,7 +53,10 @@ struct Run {
   std::string picture;  // file; empty: none
   std::int64_t picture_of = 0;
   Keyframe last_keyframe;
-  std::int64_t newest_landmark = 0;  // before this keyframe
+  RgbdFrame last_frame;
+  LostSpells lost;
+  std::unique_ptr<LidarPredictor> predictor;  // null: no LIDAR_POSE, or from a log
+  std::int64_t newest_landmark = 0;           // before this keyframe
 };
 
 void remember(const RgbdFrame& frame, const Keyframe& keyframe, Run* run) {
@@ -82,6 +88,10 @@ void track(const RgbdFrame& frame, bool verbose, Run* run) {
   run->wall_ms.push_back(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count());
   if (run->first_us == 0) run->first_us = frame.utime_us;
+  run->last_frame = frame;
+  run->lost.on((frame.utime_us - run->first_us) * 1e-6, result,
+               run->odometry->counts().relocalisations);
+  if (run->predictor) run->predictor->add_visual(result);
   run->last_us = frame.utime_us;
   ++run->states[static_cast<int>(result.state)];
   const bool usable = result.state == TrackingState::kOk || result.state == TrackingState::kWeak;
@@ -189,11 +199,35 @@ void print(const Run& run, const std::string& name, const Scores& live, const Sc
       usage.ru_maxrss / 1024);
 }
 
+// After the recording the camera stands where it is.
+void stand(double minutes, double hz, Run* run) {
+  const VisualMap& map = run->odometry->map();
+  const SE3 T_before = run->poses.empty() ? SE3::Identity() : run->poses.back().T_odom_base;
+  const auto tell = [&](int minute) {
+    if (minute % 5 != 0 && minute != 1) return;
+    const SE3 T_moved = T_before.inverse() * run->poses.back().T_odom_base;
+    std::printf(
+        "standing %2d min: %zu keyframes, %zu landmarks, %.1f MB resident, pose %.1f mm off\n",
+        minute, map.keyframes().size(), map.landmarks().size(), resident_mb(),
+        1e3 * T_moved.translation().norm());
+  };
+  const RgbdFrame frame = run->last_frame;
+  const int before = run->keyframes;
+  tell(0);
+  stand_still(
+      frame, run->camera, minutes, hz, [&](const RgbdFrame& again) { track(again, false, run); },
+      tell);
+  std::printf("standing: %d keyframes made\n", run->keyframes - before);
+}
+
 int bench(int argc, char** argv) {
   CLI::App app{"Visual odometry on a recording: a directory of RGB-D images or an LCM log"};
   std::string path, out, live_out, reference_out, lidar_poses, name;
   bool verbose = false;
   bool paced = false;
+  bool lidar_mapper = false;
+  double stand_minutes = 0.0;
+  double stand_hz = 2.5;
   VisualOdometryConfig config;
   Run run;
   app.add_option("recording", path)->required();
@@ -201,6 +235,9 @@ int bench(int argc, char** argv) {
   app.add_option("--live", live_out, "poses as they were said, TUM format");
   app.add_option("--reference", reference_out, "also write the reference, TUM format");
   app.add_option("--lidar-poses", lidar_poses, "a log with LIDAR_POSE of the same drive");
+  app.add_flag("--lidar-mapper", lidar_mapper, "LIDAR_POSE by the LiDAR mapper, beside");
+  app.add_option("--stand", stand_minutes, "then stand still for so many minutes of stamps");
+  app.add_option("--stand-hz", stand_hz, "frames a second while standing");
   app.add_option("--name", name, "of the table's row");
   app.add_flag("--verbose", verbose, "a line for each keyframe and each frame that is not OK");
   app.add_option("--picture", run.picture, "a keyframe with its features and matches");
@@ -211,6 +248,7 @@ int bench(int argc, char** argv) {
   app.add_flag("!--no-surfaces", config.use_surfaces);
   app.add_flag("!--no-planar", config.use_planar);
   app.add_option("--fast-low", config.orb.fast_threshold_low);
+  app.add_flag("--sub-pixel", config.orb.sub_pixel);
   app.add_option("--features", config.orb.n_features);
   app.add_option("--pixel-sigma", config.pixel_sigma);
   app.add_option("--bundle", config.bundle_keyframes);
@@ -236,6 +274,7 @@ int bench(int argc, char** argv) {
     run.camera = camera;
     run.robot = robot;
     run.odometry = std::make_unique<VisualOdometry>(camera, robot, config);
+    if (lidar_mapper) run.predictor = std::make_unique<LidarPredictor>(robot);
   };
   const auto start = std::chrono::steady_clock::now();
   listener.frame = [&](const RgbdFrame& frame) {
@@ -244,7 +283,16 @@ int bench(int argc, char** argv) {
                                     std::chrono::microseconds(frame.utime_us - run.first_us));
     track(frame, verbose, &run);
   };
-  listener.scan = [&](const LaserScan& scan) { run.odometry->add_scan(scan); };
+  listener.scan = [&](const LaserScan& scan) {
+    run.odometry->add_scan(scan);
+    if (run.predictor)
+      run.predictor->add_scan(scan, [&](std::int64_t utime_us, const SE3& T) {
+        run.odometry->add_lidar_pose(utime_us, T);
+      });
+  };
+  listener.odometry = [&](std::int64_t utime_us, const SE3& T) {
+    if (run.predictor) run.predictor->add_odometry(utime_us, T);
+  };
   listener.lidar_pose = [&](std::int64_t utime_us, const SE3& T) {
     run.odometry->add_lidar_pose(utime_us, T);
   };
@@ -255,6 +303,8 @@ int bench(int argc, char** argv) {
   if (!reference_out.empty()) write_tum(reference_out, reference);
   print(run, name.empty() ? path : name, score(run, reference, live_trajectory(run)),
         score(run, reference, last));
+  run.lost.print();
+  if (stand_minutes > 0.0) stand(stand_minutes, stand_hz, &run);
   return 0;
 }
 

@@ -144,6 +144,29 @@ TEST(Culling, KeyframesThatShowNothingOfTheirOwnGo) {
   EXPECT_EQ(cull_keyframes({5}, {}, &m.map), 0);
 }
 
+TEST(Culling, WhatNobodySawAgainDoesNotKeepAKeyframe) {
+  MadeUpMap m = make_map(6, 60, 0.0);
+  for (std::int64_t landmark = 1; landmark <= 40; ++landmark) m.map.unlink(landmark, 2);
+  EXPECT_EQ(cull_keyframes({2}, {}, &m.map), 1);
+  // A keyframe of which nothing is known any more is no copy of others either.
+  for (std::int64_t landmark = 1; landmark <= 60; ++landmark) m.map.unlink(landmark, 3);
+  EXPECT_EQ(cull_keyframes({3}, {}, &m.map), 0);
+}
+
+TEST(LocalMapping, ForgetsRedundantKeyframesButNoneWhoseEdgeIsOpen) {
+  MadeUpMap m = make_map(14, 120, 1.0);
+  const VisualOdometryConfig config;
+  const MappingJob job = make_mapping_job(m.map, 14, config);
+  EXPECT_EQ(job.cullable, (std::vector<std::int64_t>{2, 3}));  // 10 newer ones; 1 is the origin
+  const MappingResult result = improve_map(m.camera, job, m.scales, config);
+  EXPECT_EQ(result.n_keyframes_culled, 2);
+  m.map.put_back(job.part, result.part);
+  EXPECT_EQ(m.map.keyframe(2), nullptr);
+  EXPECT_EQ(m.map.keyframe(3), nullptr);
+  EXPECT_EQ(m.map.keyframes().size(), 12U);
+  EXPECT_TRUE(consistent(m.map));
+}
+
 TEST(LocalMapping, TheThreadGivesWhatTheFunctionGives) {
   MadeUpMap m = make_map(6, 120, 1.0, true);
   const VisualOdometryConfig config;
