@@ -8,6 +8,7 @@
 
 #include "libs/netcheck/machine.hpp"
 #include "libs/netcheck/multicast.hpp"
+#include "procman/doctor/machines.hpp"
 #include "procman/doctor/report.hpp"
 
 int main(int argc, char** argv) {
@@ -20,12 +21,16 @@ int main(int argc, char** argv) {
   std::string folder = ".";
   bool json = false;
   bool only_commands = false;
+  bool machines = false;
   app.add_option(
       "--lcm-url", lcm_url,
       "as for the other programs (default: LCM_DEFAULT_URL, or udpm://239.255.76.67:7667)");
   app.add_option("--folder", folder, "where recordings will go")->capture_default_str();
   app.add_flag("--json", json, "print JSON instead of lines");
   app.add_flag("--commands", only_commands, "print only the commands that mend the faults");
+  app.add_flag("--machines", machines,
+               "ask the lab's machines instead: clock offsets and losses, measured by 50 pings to "
+               "the deputies");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -33,10 +38,15 @@ int main(int argc, char** argv) {
   }
   try {
     const fusion_slam::UdpmUrl url = fusion_slam::parse_udpm_url(lcm_url);
-    std::vector<fusion_slam::CheckResult> results = fusion_slam::check_multicast(url);
-    for (auto& result : fusion_slam::check_programs()) results.push_back(result);
-    results.push_back(fusion_slam::check_clock());
-    results.push_back(fusion_slam::check_disk(folder));
+    std::vector<fusion_slam::CheckResult> results;
+    if (machines) {
+      results = fusion_slam::check_machines(lcm_url);
+    } else {
+      results = fusion_slam::check_multicast(url);
+      for (auto& result : fusion_slam::check_programs()) results.push_back(result);
+      results.push_back(fusion_slam::check_clock());
+      results.push_back(fusion_slam::check_disk(folder));
+    }
     std::cout << (json            ? fusion_slam::json_report(results)
                   : only_commands ? fusion_slam::commands(results)
                                   : fusion_slam::text_report(results));
