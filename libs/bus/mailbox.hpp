@@ -28,9 +28,9 @@ class Mailbox {
   // Called by handle(). The filter comes first when there is one.
   template <class Message>
   void subscribe(const std::string& channel, std::function<void(const Message&)> handler,
-                 Filter filter = {}) {
-    add(channel, Message::getHash(), bus_detail::decoder<Message>(std::move(handler)),
-        std::move(filter), false);
+                 const Filter& filter = {}) {
+    add(channel, Message::getHash(), bus_detail::decoder<Message>(std::move(handler)), filter,
+        false);
   }
   // Called at once, on the reader's thread: for what must not wait.
   template <class Message>

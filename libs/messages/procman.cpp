@@ -20,7 +20,8 @@ CommandSpec from_message(const procman_lcm::cmd_t& message) {
   spec.exec = message.exec_str;
   spec.group = message.group;
   spec.auto_respawn = message.auto_respawn != 0;
-  if (message.stop_signal >= 1 && message.stop_signal <= 64) spec.stop_signal = message.stop_signal;
+  const int stop_signal{message.stop_signal};
+  if (stop_signal >= 1 && stop_signal <= 64) spec.stop_signal = stop_signal;
   if (message.stop_time_allowed >= 0.0F && message.stop_time_allowed <= 3600.0F)
     spec.stop_time_allowed_s = static_cast<double>(message.stop_time_allowed);
   return spec;

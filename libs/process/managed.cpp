@@ -27,14 +27,20 @@ std::vector<std::string> merged_environment(
     const std::string text = *entry;
     variables[text.substr(0, text.find('='))] = text;
   }
-  for (const auto& [name, value] : added) variables[name] = name + "=" + value;
+  for (const auto& [name, value] : added) {
+    std::string& text = variables[name];
+    text = name;
+    text.append("=").append(value);
+  }
   std::vector<std::string> result;
+  result.reserve(variables.size());
   for (const auto& [name, text] : variables) result.push_back(text);
   return result;
 }
 
 std::vector<char*> pointers(const std::vector<std::string>& texts) {
   std::vector<char*> result;
+  result.reserve(texts.size() + 1);
   for (const std::string& text : texts) result.push_back(const_cast<char*>(text.c_str()));
   result.push_back(nullptr);
   return result;

@@ -50,8 +50,8 @@ fs::path find_allowed(const Allowed& allowed, const ExecLine& line, const std::s
                       std::string* why) {
   for (const auto& [name, value] : line.environment) {
     if (allowed.anything || is_harmless(allowed, name)) continue;
-    *why = "this deputy does not let orders set the variable " + name +
-           " (start it with --allow-env " + name + " if it shall)";
+    *why = "this deputy does not let orders set the variable ";
+    why->append(name).append(" (start it with --allow-env ").append(name).append(" if it shall)");
     return {};
   }
   const std::string& program = line.argv.at(0);

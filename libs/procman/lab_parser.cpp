@@ -81,7 +81,9 @@ class LabParser {
            "a group's name must not be empty or hold a `/`: that joins the names of nested groups");
     if (depth >= kDeepestGroup) fail(at, "groups are nested deeper than 32");
     expect("{");
-    while (!accept("}")) element(outer.empty() ? inner : outer + "/" + inner, depth + 1);
+    std::string name = outer.empty() ? inner : outer + "/";
+    if (!outer.empty()) name += inner;
+    while (!accept("}")) element(name, depth + 1);
   }
 
   void command(const std::string& group) {

@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kTurn_ms = 50;
 constexpr int kDiscover_ms = 1300;  // deputies and other sheriffs speak once a second
+constexpr int kAnswers_ms = 600;    // to PM_DISCOVER
 constexpr std::int64_t kSettled_us = 700'000;
 
 class Tasks {
@@ -92,7 +93,7 @@ class Tasks {
 
   int status() {
     sheriff_.core().load(config_);
-    sheriff_.discover(kDiscover_ms);
+    sheriff_.discover(kAnswers_ms);
     if (options_.watch) {
       watch();
       return 0;
