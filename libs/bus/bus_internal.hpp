@@ -9,7 +9,6 @@
 #include "fusion_slam/resend_t.hpp"
 #include "fusion_slam/step_t.hpp"
 #include "libs/bus/bus.hpp"
-#include "libs/bus/clock.hpp"
 #include "libs/bus/inbox.hpp"
 #include "libs/bus/latency.hpp"
 #include "libs/bus/outbox.hpp"

@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-#include "libs/bus/clock.hpp"
+#include "libs/clock/clock.hpp"
 #include "procman_lcm/discovery_t.hpp"
 
 namespace fusion_slam {
@@ -23,7 +23,7 @@ void answer_clock_pings(Mailbox& mailbox, const std::string& name) {
   mailbox.listen<procman_lcm::discovery_t>("CLOCK_PING",
                                            [&mailbox, name](const procman_lcm::discovery_t& ping) {
                                              procman_lcm::discovery_t pong{};
-                                             pong.utime = wall_utime_us();
+                                             pong.utime = wall_us();
                                              pong.transmitter_id = name;
                                              pong.nonce = ping.nonce;
                                              mailbox.publish("CLOCK_PONG", pong);
@@ -42,17 +42,17 @@ std::map<std::string, MachineReply> ask_clocks(Mailbox& mailbox, const std::stri
         if (samples.size() >= kMostMachines && samples.count(pong.transmitter_id) == 0) return;
         if (!seen[pong.transmitter_id].insert(number).second) return;
         samples[pong.transmitter_id].push_back(
-            {sent_us[static_cast<std::size_t>(number)], pong.utime, wall_utime_us()});
+            {sent_us[static_cast<std::size_t>(number)], pong.utime, wall_us()});
       });
   const auto wait = [&](int ms) {
-    const std::int64_t until_us = now_us() + ms * 1000LL;
-    while (now_us() < until_us) mailbox.handle(1);
+    const std::int64_t until_us = steady_us() + ms * 1000LL;
+    while (steady_us() < until_us) mailbox.handle(1);
   };
   for (int i = 0; i < n; ++i) {
     procman_lcm::discovery_t ping{};
     ping.transmitter_id = name;
     ping.nonce = first_number() + i;
-    ping.utime = wall_utime_us();
+    ping.utime = wall_us();
     sent_us.push_back(ping.utime);
     mailbox.publish("CLOCK_PING", ping);
     wait(period_ms);

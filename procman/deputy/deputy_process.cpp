@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-#include "libs/bus/clock.hpp"
+#include "libs/clock/clock.hpp"
 #include "libs/clock_check/clock_pong.hpp"
 #include "libs/messages/procman.hpp"
 #include "procman_lcm/output_t.hpp"
@@ -30,7 +30,7 @@ DeputyProcess::DeputyProcess(const DeputyOptions& options)
     : options_(options),
       key_(load_key(options.key_file)),
       mailbox_(options.lcm_url),
-      deputy_(options, key_ ? wall_utime_us() : 0) {
+      deputy_(options, key_ ? wall_us() : 0) {
   mailbox_.subscribe<procman_lcm::orders_t>(
       "PM_ORDERS", [this](const auto& m) { on_orders(m); },
       [this](const std::uint8_t* bytes, std::size_t size) {
@@ -47,12 +47,12 @@ DeputyProcess::DeputyProcess(const DeputyOptions& options)
 
 void DeputyProcess::run(const std::atomic<bool>* stop) {
   look_for_twin();
-  idle_since_us_ = now_us();
+  idle_since_us_ = steady_us();
   const auto idle_us = static_cast<std::int64_t>(1e6 * options_.until_idle_s);
   while (!*stop) {
     one_turn();
-    if (!deputy_.core().commands().empty()) idle_since_us_ = now_us();
-    if (idle_us > 0 && now_us() - idle_since_us_ > idle_us) break;
+    if (!deputy_.core().commands().empty()) idle_since_us_ = steady_us();
+    if (idle_us > 0 && steady_us() - idle_since_us_ > idle_us) break;
   }
   deputy_.core().stop_all();
   while (deputy_.core().any_running()) one_turn();
@@ -62,10 +62,10 @@ void DeputyProcess::run(const std::atomic<bool>* stop) {
 
 // Two deputies of one name would both run everything.
 void DeputyProcess::look_for_twin() {
-  const std::int64_t until_us = now_us() + kTwin_us;
-  while (now_us() < until_us && !twin_) {
+  const std::int64_t until_us = steady_us() + kTwin_us;
+  while (steady_us() < until_us && !twin_) {
     procman_lcm::discovery_t question{};
-    question.utime = wall_utime_us();
+    question.utime = wall_us();
     question.transmitter_id = options_.name;
     question.nonce = getpid();
     mailbox_.publish("PM_DISCOVER", question);
@@ -79,7 +79,7 @@ void DeputyProcess::look_for_twin() {
 
 void DeputyProcess::one_turn() {
   mailbox_.handle(kTurn_ms);
-  const std::int64_t now = now_us();
+  const std::int64_t now = steady_us();
   const bool changed = deputy_.work(now);
   if (now - last_info_us_ >= kInfoPeriod_us) {
     deputy_.measure();
@@ -93,14 +93,14 @@ void DeputyProcess::one_turn() {
 void DeputyProcess::on_orders(const procman_lcm::orders_t& message) {
   if (looking_for_twin_) return;  // they are given again every second
   const Orders orders = from_message(message);
-  const OrdersVerdict verdict = deputy_.core().take(orders, wall_utime_us(), now_us());
+  const OrdersVerdict verdict = deputy_.core().take(orders, wall_us(), steady_us());
   if (verdict == OrdersVerdict::kTooOld || verdict == OrdersVerdict::kOtherSheriff)
     refuse(orders, verdict);
 }
 
 void DeputyProcess::refuse(const Orders& orders, OrdersVerdict verdict) {
-  if (now_us() - last_refusal_us_ < kRefusalPeriod_us) return;
-  last_refusal_us_ = now_us();
+  if (steady_us() - last_refusal_us_ < kRefusalPeriod_us) return;
+  last_refusal_us_ = steady_us();
   const std::string text =
       "orders of sheriff " + orders.sheriff + " refused: " + to_string(verdict);
   std::cerr << options_.name << ": " << text << std::endl;
@@ -114,18 +114,18 @@ void DeputyProcess::on_discover(const procman_lcm::discovery_t& message) {
 }
 
 void DeputyProcess::publish_info() {
-  last_info_us_ = now_us();
-  mailbox_.publish("PM_INFO", to_message(deputy_.info(wall_utime_us())));
+  last_info_us_ = steady_us();
+  mailbox_.publish("PM_INFO", to_message(deputy_.info(wall_us())));
 }
 
 void DeputyProcess::publish_output() {
-  last_output_us_ = now_us();
+  last_output_us_ = steady_us();
   for (CommandOutput& output : deputy_.take_output()) unsent_.push_back(std::move(output));
   procman_lcm::output_t message{};
   std::size_t bytes = 0;
   const auto flush = [&] {
     if (message.text.empty()) return;
-    message.utime = wall_utime_us();
+    message.utime = wall_us();
     message.deputy_id = options_.name;
     message.num_commands = static_cast<std::int16_t>(message.text.size());
     mailbox_.publish("PM_OUTPUT", message);

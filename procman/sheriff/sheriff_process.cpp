@@ -5,7 +5,7 @@
 
 #include <unistd.h>
 
-#include "libs/bus/clock.hpp"
+#include "libs/clock/clock.hpp"
 #include "libs/messages/procman.hpp"
 #include "procman_lcm/discovery_t.hpp"
 #include "procman_lcm/output_t.hpp"
@@ -30,7 +30,7 @@ std::unique_ptr<SigningKey> load_key(const std::string& file) {
 SheriffProcess::SheriffProcess(const std::string& lcm_url, const std::string& key_file)
     : key_(load_key(key_file)), core_(unique_name()), mailbox_(lcm_url) {
   mailbox_.subscribe<procman_lcm::deputy_info_t>(
-      "PM_INFO", [this](const auto& m) { core_.hear(from_message(m), wall_utime_us(), now_us()); });
+      "PM_INFO", [this](const auto& m) { core_.hear(from_message(m), wall_us(), steady_us()); });
   mailbox_.subscribe<procman_lcm::orders_t>(
       "PM_ORDERS",
       [this](const procman_lcm::orders_t& m) {
@@ -46,7 +46,7 @@ SheriffProcess::SheriffProcess(const std::string& lcm_url, const std::string& ke
 SheriffProcess::~SheriffProcess() {
   if (!in_command_) return;
   procman_lcm::discovery_t farewell{};
-  farewell.utime = wall_utime_us();
+  farewell.utime = wall_us();
   farewell.transmitter_id = core_.name();
   farewell.nonce = 0;
   mailbox_.publish("PM_DISCOVER", farewell);
@@ -54,7 +54,7 @@ SheriffProcess::~SheriffProcess() {
 
 void SheriffProcess::ask() {
   procman_lcm::discovery_t question{};
-  question.utime = wall_utime_us();
+  question.utime = wall_us();
   question.transmitter_id = core_.name();
   question.nonce = getpid();
   mailbox_.publish("PM_DISCOVER", question);
@@ -62,9 +62,9 @@ void SheriffProcess::ask() {
 
 void SheriffProcess::discover(int wait_ms) {
   ask();
-  const std::int64_t until_us = now_us() + wait_ms * 1000LL;
-  while (now_us() < until_us)
-    turn(static_cast<int>(std::clamp<std::int64_t>((until_us - now_us()) / 1000, 1, 50)));
+  const std::int64_t until_us = steady_us() + wait_ms * 1000LL;
+  while (steady_us() < until_us)
+    turn(static_cast<int>(std::clamp<std::int64_t>((until_us - steady_us()) / 1000, 1, 50)));
 }
 
 void SheriffProcess::take_command() {
@@ -77,13 +77,13 @@ void SheriffProcess::take_command() {
 
 void SheriffProcess::turn(int timeout_ms) {
   mailbox_.handle(timeout_ms);
-  if (in_command_ && now_us() - last_orders_us_ >= kOrdersPeriod_us) give_orders();
+  if (in_command_ && steady_us() - last_orders_us_ >= kOrdersPeriod_us) give_orders();
 }
 
 void SheriffProcess::give_orders() {
-  last_orders_us_ = now_us();
+  last_orders_us_ = steady_us();
   // Each later than the one before, whatever the clock does.
-  last_utime_us_ = std::max(last_utime_us_ + 1, wall_utime_us());
+  last_utime_us_ = std::max(last_utime_us_ + 1, wall_us());
   for (const Orders& orders : core_.orders(last_utime_us_)) {
     std::vector<std::uint8_t> bytes = bus_detail::encode(to_message(orders));
     mailbox_.publish_bytes("PM_ORDERS", key_ ? key_->sign("PM_ORDERS", bytes) : bytes);

@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-#include "libs/bus/clock.hpp"
+#include "libs/clock/clock.hpp"
 #include "libs/procman/script_runner.hpp"
 #include "libs/procman/status_table.hpp"
 #include "procman/sheriff/local_deputy.hpp"
@@ -77,7 +77,7 @@ class Tasks {
     ScriptRunner script(config_, options_.script);
     std::string told;
     sheriff_.changed();
-    while (!*stop_ && !script.step(&sheriff_.core(), now_us())) {
+    while (!*stop_ && !script.step(&sheriff_.core(), steady_us())) {
       if (script.waiting_for() != told) {
         told = script.waiting_for();
         std::cerr << told << "\n";
@@ -164,9 +164,9 @@ class Tasks {
   }
 
   bool wait(const std::function<bool()>& condition) {
-    const std::int64_t until_us = now_us() + static_cast<std::int64_t>(1e6 * options_.timeout_s);
+    const std::int64_t until_us = steady_us() + static_cast<std::int64_t>(1e6 * options_.timeout_s);
     while (!condition()) {
-      if (*stop_ || now_us() > until_us) return false;
+      if (*stop_ || steady_us() > until_us) return false;
       sheriff_.turn(kTurn_ms);
     }
     return true;
@@ -193,8 +193,8 @@ class Tasks {
       if (!each_runs_or_has_run())
         good_since_us = 0;
       else if (good_since_us == 0)
-        good_since_us = now_us();
-      return good_since_us != 0 && now_us() - good_since_us > kSettled_us;
+        good_since_us = steady_us();
+      return good_since_us != 0 && steady_us() - good_since_us > kSettled_us;
     });
     if (options_.watch)
       watch();
@@ -208,16 +208,16 @@ class Tasks {
     std::int64_t shown_us = 0;
     while (!*stop_) {
       sheriff_.turn(kTurn_ms);
-      if (now_us() - shown_us < 1'000'000) continue;
-      shown_us = now_us();
+      if (steady_us() - shown_us < 1'000'000) continue;
+      shown_us = steady_us();
       std::cout << (screen ? "\033[H\033[2J" : "");
       show();
     }
   }
 
   void show() const {
-    std::cout << (options_.json ? status_json(sheriff_.core(), now_us())
-                                : status_table(sheriff_.core(), now_us()))
+    std::cout << (options_.json ? status_json(sheriff_.core(), steady_us())
+                                : status_table(sheriff_.core(), steady_us()))
               << std::flush;
   }
 

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "libs/authentication/signature.hpp"
-#include "libs/bus/clock.hpp"
 #include "libs/bus/transport.hpp"
+#include "libs/clock/clock.hpp"
 #include "libs/messages/procman.hpp"
 #include "procman/doctor/machines.hpp"
 #include "tests/support/lab_network.hpp"
