@@ -5,7 +5,7 @@
 namespace fusion_slam {
 
 std::optional<std::string> ClientFeed::next(std::int64_t now_us) {
-  if (under_way() >= kMostUnderWay) return std::nullopt;
+  if (wanted_.none() || under_way() >= kMostUnderWay) return std::nullopt;
   if (!was_full_ && last_us_ && now_us - *last_us_ < kPeriod_us) return std::nullopt;
   const std::uint64_t epoch = cursor_.epoch;
   const auto items = store_.next(&cursor_, wanted_, kBatchBytes);

@@ -39,7 +39,10 @@ PageFiles::PageFiles(const std::filesystem::path& folder) {
 }
 
 const PageFile* PageFiles::find(const std::string& path) const {
-  const auto file = files_.find(path == "/" ? "/index.html" : path);
+  // Browsers ask for the second one by themselves.
+  const auto file = files_.find(path == "/"              ? "/index.html"
+                                : path == "/favicon.ico" ? "/icon.svg"
+                                                         : path);
   return file == files_.end() ? nullptr : &file->second;
 }
 

@@ -21,6 +21,8 @@ class ViewerProcess {
  private:
   template <class Message>
   void show(const std::string& channel, Policy policy);
+  template <class Message>
+  void hear(const std::string& channel);
 
   Bus& bus_;
   ViewerState& state_;

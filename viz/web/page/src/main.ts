@@ -52,16 +52,19 @@ let link: ConnectionState = "connecting";
 let session: SessionItem | null = null;
 let truthError: number | null = null;
 let epoch = -1;
+let fresh = false; // connected anew: perhaps to another viewer
 let waiting: { batch: Batch; next: number }[] = [];
 let frames: number[] = [];
 let lastFrame = 0;
+let lastDescribed = 0;
 let lastBytes = { at: performance.now(), n: 0, perSecond: 0 };
 
 const connection = new Connection({
   batch: (batch) => waiting.push({ batch, next: 0 }),
   state: (state, retryInS) => {
     link = state;
-    if (state !== "open") waiting = [];
+    waiting = [];
+    if (state === "open") fresh = true;
     stage.link(state, retryInS);
   },
   problem: (text) => notices.show("error", text),
@@ -120,9 +123,10 @@ function work(now: number): void {
   lastFrame = now;
   while (waiting.length > 0 && performance.now() < until) {
     const { batch } = waiting[0];
-    if (batch.epoch !== epoch) {
+    if (batch.epoch !== epoch || fresh) {
       if (epoch !== -1) startAnew();
       epoch = batch.epoch;
+      fresh = false;
     }
     while (waiting[0].next < batch.items.length && performance.now() < until) take(batch.items[waiting[0].next++], now);
     if (waiting[0].next < batch.items.length) return;
@@ -153,7 +157,10 @@ function frame(now: number): void {
   work(now);
   stage.autoFit();
   if (world.render(now)) frames.push(now);
-  if (Math.floor(now / 200) !== Math.floor((now - 17) / 200) || waiting.length > 0) describe(now);
+  if (now - lastDescribed > 200) {
+    describe(now);
+    lastDescribed = now;
+  }
   stage.scale();
   requestAnimationFrame(frame);
 }

@@ -49,8 +49,10 @@ export class HealthPanel {
       if (process.state === "failed") list.push(`${process.process} has failed: ${process.last_error || "no reason given"}`);
       else if (process.state === "silent" && !replaying) list.push(`${process.process} has said nothing for ${process.silent_s.toFixed(0)} s`);
     }
-    for (const input of this.inputs.values())
-      if (input.late) list.push(`${input.channel} is late by ${input.late_s.toFixed(1)} s`);
+    const late = [...this.inputs.values()].filter((input) => input.late);
+    if (late.length > 1 && late.length === this.inputs.size)
+      list.push(`No sensor has been heard for ${Math.min(...late.map((input) => input.late_s)).toFixed(0)} s`);
+    else for (const input of late) list.push(`${input.channel} is late by ${input.late_s.toFixed(1)} s`);
     return list;
   }
 
@@ -65,17 +67,19 @@ export class HealthPanel {
     } else if (problems.length) {
       this.verdict.textContent = problems.join(". ") + ".";
     } else {
-      const n = this.processes.size;
-      this.verdict.textContent = `${n ? `${n} processes well` : "No processes in this recording"}, ${this.inputs.size} inputs on time.`;
+      const n = [...this.processes.keys()].filter((name) => name !== "viewer").length;
+      const inputs = this.inputs.size === 1 ? "1 input" : `${this.inputs.size} inputs`;
+      const others = n === 1 ? "1 process well" : n > 1 ? `${n} processes well` : replaying ? "No process in this recording" : "No process but this viewer";
+      this.verdict.textContent = this.inputs.size ? `${others}, ${inputs} on time.` : `${others}, no sensor heard.`;
     }
-    this.inputList.replaceChildren(...[...this.inputs.values()].map((input) =>
+    this.inputList.replaceChildren(...sorted(this.inputs).map((input) =>
       make("li", { class: input.late ? "late" : "" },
         make("b", {}, input.channel), make("span", {}, `${input.rate_hz.toFixed(1)} Hz`), make("span", {}, `${bytes(input.bytes_s)}/s`),
         make("span", { class: "state" }, input.late ? `late ${input.late_s.toFixed(1)} s` : "on time"))));
     const focused = document.activeElement?.closest("details")?.dataset.process;
-    this.processList.replaceChildren(...[...this.processes.values()].map((process) => this.row(process)));
+    this.processList.replaceChildren(...sorted(this.processes).map((process) => this.row(process)));
     if (focused) (this.processList.querySelector(`[data-process="${CSS.escape(focused)}"] summary`) as HTMLElement | null)?.focus();
-    this.deputyList.replaceChildren(...[...this.deputies.values()].map((deputy) => this.machine(deputy)));
+    this.deputyList.replaceChildren(...sorted(this.deputies).map((deputy) => this.machine(deputy)));
   }
 
   private row(process: HealthItem): HTMLLIElement {
@@ -120,6 +124,10 @@ export class HealthPanel {
 function put<T>(map: Map<string, T>, key: string, item: T | null): void {
   if (item) map.set(key, item);
   else map.delete(key);
+}
+
+function sorted<T>(map: Map<string, T>): T[] {
+  return [...map.entries()].sort((a, b) => a[0].localeCompare(b[0])).map(([, item]) => item);
 }
 
 function facts(rows: [string, string][]): HTMLElement {

@@ -40,11 +40,12 @@ export class StagePanel {
 
   describe(now: Situation): void {
     const { session, player } = now;
+    const hasMap = this.world.bounds() !== null;
     const pose = this.world.pose;
     let chip: [string, string] = ["wait", "Connecting…"];
     if (now.link === "lost" || now.link === "refused") chip = ["bad", "Disconnected"];
     else if (now.link === "open" && player) chip = player.problem ? ["bad", "Recording unreadable"] : player.ready ? ["replay", "Recording"] : ["wait", `Reading ${Math.round(100 * (player.loaded ?? 0))} %`];
-    else if (now.link === "open" && !session?.utime) chip = ["wait", "No data yet"];
+    else if (now.link === "open" && !session?.utime && !hasMap) chip = ["wait", "No data yet"];
     else if (now.link === "open") chip = now.problems.length ? ["warn", "Live, with problems"] : ["good", "Live"];
     this.chip.className = `chip ${chip[0]}`;
     setText(this.chip.lastElementChild as Element, chip[1]);
@@ -57,8 +58,8 @@ export class StagePanel {
       const words = { ok: `± ${metres(2 * pose.sigma_m)}`, weak: `weak, ± ${metres(2 * pose.sigma_m)}`, lost: "lost", unknown: "unknown" };
       rows.push(["Position", words[pose.state], pose.state === "lost" ? "bad" : pose.state === "weak" ? "warn" : ""]);
     }
-    if (session?.utime) {
-      rows.push(["Time", duration((session.utime - session.first_utime) / 1e6), ""]);
+    if (session && hasMap) {
+      if (session.utime) rows.push(["Time", duration((session.utime - session.first_utime) / 1e6), ""]);
       if (session.path_m > 0) rows.push(["Driven", metres(session.path_m), ""]);
       if (session.area_m2 > 0) rows.push(["Mapped", `${session.area_m2.toFixed(0)} m²`, ""]);
       if (session.keyframes + session.lidar_nodes > 0) rows.push(["Loops", String(session.loops_closed), ""]);
