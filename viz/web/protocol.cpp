@@ -71,10 +71,10 @@ bool command_members(const Json& json, Request* request, std::string* why) {
            number(json, "yaw", 7.0, &request->yaw_rad, why);
   if (request->verb == "save_map" || request->verb == "reset") return true;
   const auto target = json.find("target");
-  *why = "\"target\" has to be the name of a process, 1 to 200 characters";
+  *why = "\"target\" has to be the name of a process, 1 to 200 characters, no hyphen first";
   if (target == json.end() || !target->is_string()) return false;
   request->target = target->get<std::string>();
-  return !request->target.empty() && request->target.size() <= 200;
+  return !request->target.empty() && request->target.size() <= 200 && request->target[0] != '-';
 }
 
 bool replay_members(const Json& json, Request* request, std::string* why) {

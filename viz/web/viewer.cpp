@@ -97,7 +97,9 @@ void run_live(const ViewerOptions& options) {
       state, options.save_directory,
       [&process](const std::string& target, const std::string& verb, const std::string& argument) {
         process.send(target, verb, argument);
-      });
+      },
+      {std::filesystem::read_symlink("/proc/self/exe").parent_path() / "procman-sheriff",
+       options.lab, options.lcm_url});
   const WebServer server(options.server, store, page_files(), [&](const Request& request) {
     if (request.kind == Request::Kind::kCell)
       return reply(request, Json::parse(state.cell_json(request.x_m, request.y_m)));
@@ -130,6 +132,9 @@ std::optional<ViewerOptions> parse_viewer_options(int argc, char** argv, int* ex
                  "LCM network (default: LCM_DEFAULT_URL, else LCM's own)");
   app.add_option("--save-dir", options.save_directory, "where \"Save map\" makes its folders")
       ->capture_default_str();
+  app.add_option("--lab", options.lab,
+                 "lab configuration: lets the page start and stop its processes by the sheriff")
+      ->check(CLI::ExistingFile);
   app.add_option("--most-browsers", options.server.most_browsers, "further ones are refused")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

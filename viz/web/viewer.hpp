@@ -15,6 +15,7 @@ struct ViewerOptions {
   std::string lcm_url;
   ServerOptions server;
   std::filesystem::path save_directory = ".";
+  std::filesystem::path lab;  // configuration for the sheriff; empty: nothing can be started
 };
 
 // Nothing when the program has to end with *exit_code (--help, wrong usage).

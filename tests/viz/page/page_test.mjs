@@ -105,7 +105,7 @@ async function localise(page) {
   check(await page.locator(".toolbar").isVisible(), "the pose can be given by keyboard alone");
   await shot(page, "localise");
   await page.keyboard.press("Enter");
-  await until("the pose to be sent", async () => (await text(page, "#notices")).includes("pose graph"));
+  await until("the pose to be sent", async () => (await text(page, "#notices")).includes("Told the localizer"));
 }
 
 async function recording(browser) {

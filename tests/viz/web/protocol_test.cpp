@@ -112,6 +112,7 @@ TEST(ParseRequest, RefusesWithAReason) {
       R"({"type":"command","id":1,"verb":"localise","x":1,"y":2,"yaw":100})",
       R"({"type":"command","id":1,"verb":"start"})",
       R"({"type":"command","id":1,"verb":"start","target":""})",
+      R"({"type":"command","id":1,"verb":"start","target":"--key"})",
       R"({"type":"command","id":1,"verb":"start","target":")" + std::string(201, 'a') + "\"}",
       R"({"type":"replay","id":1,"verb":"speed","value":0})",
       R"({"type":"replay","id":1,"verb":"speed","value":-5})",

@@ -28,7 +28,10 @@ export class HealthPanel {
     put(this.inputs, key, item);
     this.changed = true;
   }
+  // A command that was stopped is forgotten by its deputy; people want to start it again.
   setDeputy(key: string, item: DeputyItem | null): void {
+    for (const before of this.deputies.get(key)?.commands ?? [])
+      if (item && !item.commands.some((command) => command.name === before.name)) item.commands.push({ ...before, pid: 0, exit_code: 0, cpu: 0 });
     put(this.deputies, key, item);
     this.changed = true;
   }
