@@ -1,5 +1,6 @@
 #include "libs/camera_messages/images.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <opencv2/imgproc.hpp>
@@ -69,14 +70,14 @@ images_t to_message(std::int64_t utime_us, const Bytes& colour_jpeg, const cv::M
   return make_message(utime_us, colour_jpeg, depth_mm, encode_depth(depth_mm));
 }
 
-images_t to_message(const RgbdFrame& frame) {
+images_t to_message(const RgbdFrame& frame, int quality) {
   if (frame.colour_bgr.type() != CV_8UC3 || frame.colour_bgr.size() != frame.depth_mm.size())
     throw std::invalid_argument("to_message: colour and depth do not belong together");
   Bytes depth = encode_depth(frame.depth_mm);
   Bytes jpeg;
-  for (int quality = kJpegQuality; quality >= kWorstQuality; quality -= kQualityStep) {
+  for (;; quality = std::max(kWorstQuality, quality - kQualityStep)) {
     jpeg = encode_jpeg(frame.colour_bgr, quality);
-    if (jpeg.size() + depth.size() <= kMaxFrameBytes) break;
+    if (jpeg.size() + depth.size() <= kMaxFrameBytes || quality <= kWorstQuality) break;
   }
   return make_message(frame.utime_us, std::move(jpeg), frame.depth_mm, std::move(depth));
 }

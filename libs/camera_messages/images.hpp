@@ -10,10 +10,10 @@
 
 namespace fusion_slam {
 
-// LEFT (MJPEG) and DEPTH_MM_ZIPPED. The JPEG's quality starts at kJpegQuality and falls until both
+// LEFT (MJPEG) and DEPTH_MM_ZIPPED. The JPEG's quality starts at `quality` and falls until both
 // images fit kMaxFrameBytes. Throws std::invalid_argument when the two images have not one size or
 // not their types.
-bot_core::images_t to_message(const RgbdFrame& frame);
+bot_core::images_t to_message(const RgbdFrame& frame, int quality = kJpegQuality);
 // The same with colour that is a JPEG already, sent as it is.
 bot_core::images_t to_message(std::int64_t utime_us, const Bytes& colour_jpeg,
                               const cv::Mat& depth_mm);

@@ -44,7 +44,10 @@ RobotConfig load_robot_config(const fs::path& path) {
     config.lidar_file = sensor_file(map, path, "lidar");
     robot.lidar = load_lidar_model(config.lidar_file);
   }
-  if (robot.has_camera) config.camera = load_camera_model(sensor_file(map, path, "camera"));
+  if (robot.has_camera) {
+    config.camera_file = sensor_file(map, path, "camera");
+    config.camera = load_camera_model(config.camera_file);
+  }
   robot.T_base_lidar = mounting(map, kLidarMount);
   SE3 body_from_optical = SE3::Identity();
   body_from_optical.linear() = optical_to_body();

@@ -20,8 +20,9 @@ namespace fusion_slam {
 
 struct RobotConfig {
   RobotModel robot;
-  CameraModel camera;                // meaningful when robot.has_camera
-  std::filesystem::path lidar_file;  // the LiDAR's sensor model; empty without one
+  CameraModel camera;                 // meaningful when robot.has_camera
+  std::filesystem::path lidar_file;   // the LiDAR's sensor model; empty without one
+  std::filesystem::path camera_file;  // the camera's
 };
 
 // Throws ConfigError: file, line, key, what to do.

@@ -1,6 +1,7 @@
 #include "libs/config/sensors.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "libs/config/yaml_map.hpp"
 
@@ -11,9 +12,12 @@ const std::vector<std::string> kLidarKeys = {"kind",    "range_min_m",   "range_
                                              "rate_hz", "beam_period_s", "port",        "baud",
                                              "model",   "scan_mode"};
 const std::vector<std::string> kCameraKeys = {
-    "kind",   "width_px",   "height_px",   "fx_px",       "fy_px",         "cx_px",
-    "cy_px",  "distortion", "depth_min_m", "depth_max_m", "depth_sigma_m", "depth_sigma_per_m",
-    "rate_hz"};
+    "kind", "width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion",
+    "depth_min_m", "depth_max_m", "depth_sigma_m", "depth_sigma_per_m", "rate_hz",
+    // how to reach it
+    "uri", "colour", "intrinsics", "registration", "auto_exposure", "jpeg_quality",
+    "stamp_offset_ms", "depth_fx_px", "depth_fy_px", "depth_cx_px", "depth_cy_px",
+    "depth_mount_xyz_m_rpy_deg"};
 
 }  // namespace
 
@@ -61,6 +65,32 @@ CameraModel load_camera_model(const std::filesystem::path& path) {
   m.rate_hz = map.number("rate_hz", 0.1, 200.0, m.rate_hz);
   if (m.depth_min_m >= m.depth_max_m) map.fail("depth_min_m", "is not below depth_max_m");
   return m;
+}
+
+CameraConnection load_camera_connection(const std::filesystem::path& path) {
+  const YamlMap map = YamlMap::from_file(path, kCameraKeys);
+  CameraConnection c;
+  c.uri = map.text("uri", "");
+  c.colour = map.text("colour", c.colour);
+  if (c.colour != "openni2" && c.colour.find('/') == std::string::npos)
+    map.fail("colour", "is neither openni2 nor a device like /dev/video0");
+  c.intrinsics = map.choice("intrinsics", {"file", "device"}, c.intrinsics);
+  c.registration = map.choice("registration", {"auto", "device", "own", "none"}, c.registration);
+  c.auto_exposure = map.flag("auto_exposure", c.auto_exposure);
+  c.jpeg_quality = static_cast<int>(map.number("jpeg_quality", 30, 100, c.jpeg_quality));
+  c.stamp_offset_ms = map.number("stamp_offset_ms", -1000.0, 1000.0, 0.0);
+  if (map.has("depth_fx_px")) {
+    c.depth_fx_px = map.require_number("depth_fx_px", 10.0, 20000.0);
+    c.depth_fy_px = map.require_number("depth_fy_px", 10.0, 20000.0);
+    c.depth_cx_px = map.require_number("depth_cx_px", 0.0, 8192.0);
+    c.depth_cy_px = map.require_number("depth_cy_px", 0.0, 8192.0);
+  }
+  if (map.has("depth_mount_xyz_m_rpy_deg")) {
+    const auto v = map.numbers("depth_mount_xyz_m_rpy_deg", 6, -360.0, 360.0, {});
+    const double deg = M_PI / 180.0;
+    c.T_colour_depth = from_xyz_rpy(v[0], v[1], v[2], v[3] * deg, v[4] * deg, v[5] * deg);
+  }
+  return c;
 }
 
 std::vector<std::string> sensor_names(const std::filesystem::path& directory,
