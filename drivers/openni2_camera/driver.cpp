@@ -168,7 +168,7 @@ void CameraDriver::take(DeviceFrame frame, Us now_us, Watch* watch) {
     watch->clock_restarts = clock_.restarts();
     trouble("the device's clock jumped; frames are timed by their arrival anew", true);
   }
-  TimedImage image{taken_us, std::move(frame.image)};
+  TimedImage image{taken_us, std::move(frame.image), frame.device_us};
   emit(frame.colour ? watch->pairer.add_colour(std::move(image))
                     : watch->pairer.add_depth(std::move(image)),
        now_us, watch);
@@ -186,6 +186,9 @@ void CameraDriver::emit(std::optional<FramePair> pair, Us now_us, Watch* watch) 
   if (!running_) well(now_us);
   const std::int64_t shift_us =
       wall_us() - steady_us() + std::llround(1e3 * config_.connection.stamp_offset_ms);
+  // Two stamps of one clock: what lies between them is known better than when either was.
+  if (pair->colour.device_us != 0 && pair->depth.device_us != 0)
+    pair->depth.utime_us = pair->colour.utime_us + pair->depth.device_us - pair->colour.device_us;
   pair->colour.utime_us += shift_us;
   pair->depth.utime_us += shift_us;
   if (events_.on_pair) events_.on_pair(std::move(*pair));

@@ -13,6 +13,7 @@ namespace fusion_slam {
 struct TimedImage {
   std::int64_t utime_us = 0;
   cv::Mat image;
+  std::int64_t device_us = 0;  // stamp of the device's clock; 0: none
 };
 
 struct FramePair {

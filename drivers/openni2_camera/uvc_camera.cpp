@@ -81,7 +81,7 @@ void UvcCamera::read(double period_s) {
       due += std::chrono::microseconds(std::llround(1e6 * period_s));
       std::this_thread::sleep_until(due);
     }
-    TimedImage taken{stamp_us(steady_us()), image.clone()};
+    TimedImage taken{stamp_us(steady_us()), image.clone(), 0};
     const std::lock_guard<std::mutex> lock(mutex_);
     newest_ = std::move(taken);
   }

@@ -112,6 +112,18 @@ void add_simulation_arguments(CLI::App& app, SimulationArguments* arguments) {
                  "camera|lidar|odometry,FROM,TO: seconds without its messages; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--lidar-at", arguments->lidar_at,
+                 "x,y,z,roll,pitch,yaw (m, degrees): where the LiDAR truly sits; ROBOT_MODEL keeps "
+                 "saying what is on paper, and `calibrate` has something to find")
+      ->delimiter(',')
+      ->expected(6);
+  app.add_option("--camera-at", arguments->camera_at, "the same for the camera")
+      ->delimiter(',')
+      ->expected(6);
+  app.add_option_function<double>(
+         "--camera-late-ms", [&o](double ms) { o.camera_stamps_late_s = 1e-3 * ms; },
+         "how much later than the truth the camera's stamps are")
+      ->check(CLI::Range(-500.0, 500.0));
 }
 
 SimulationInput read_simulation(const SimulationArguments& arguments) {
@@ -128,6 +140,15 @@ SimulationInput read_simulation(const SimulationArguments& arguments) {
       apply_at(value.place, [&, n = name, v = value.value] { set_parameter(n, v, &noise); });
     for (const auto& [name, place] : input.route->without)
       apply_at(place, [&, n = name] { set_effect(n, false, &noise); });
+  }
+  const auto mount = [](const std::vector<double>& v) {
+    const double rad = M_PI / 180.0;
+    return from_xyz_rpy(v[0], v[1], v[2], rad * v[3], rad * v[4], rad * v[5]);
+  };
+  if (!arguments.lidar_at.empty()) input.options.T_base_lidar = mount(arguments.lidar_at);
+  if (!arguments.camera_at.empty()) {
+    input.options.T_base_camera = mount(arguments.camera_at);
+    input.options.T_base_camera->linear() *= optical_to_body();
   }
   if (arguments.no_noise) set_effect("all", false, &noise);
   for (const auto& name : arguments.without) set_effect(name, false, &noise);

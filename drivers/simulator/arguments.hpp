@@ -22,7 +22,9 @@ struct SimulationArguments {
   std::vector<std::string> with, without;  // effects
   std::vector<std::string> cover_camera;   // FROM,TO
   std::vector<std::string> sensor_silent;  // SENSOR,FROM,TO
-  SimulationOptions options;               // the rest
+  std::vector<double> lidar_at,
+      camera_at;              // x, y, z (m), roll, pitch, yaw (deg); empty: as on paper
+  SimulationOptions options;  // the rest
 };
 
 // Adds WORLD, ROUTE and options to `app`; `arguments` must outlive its parsing.

@@ -118,7 +118,8 @@ struct Simulation::Impl {
         seconds(
             options.seconds.value_or(route && route->seconds ? *route->seconds : kDefaultSeconds)),
         scene(world.boxes, world.meshes),
-        robot(robot_for(route, options)),
+        on_paper(robot_for(route, options)),
+        robot(on_paper),
         camera(camera_for(route, options)),
         way_points_m(way_points_for(world, route, options, seconds)),
         drive(way_points_m, route ? route->limits : world.limits, seconds + 1.0),
@@ -127,6 +128,8 @@ struct Simulation::Impl {
         renderer(scene, world.lighting, camera),
         noisy(camera, options.noise.camera, options.seed),
         exposure(options.noise.camera, 1.0 / camera.rate_hz) {
+    robot.T_base_lidar = options.T_base_lidar.value_or(on_paper.T_base_lidar);
+    robot.T_base_camera = options.T_base_camera.value_or(on_paper.T_base_camera);
     make_schedule();
     // Automatic exposure must not wait for frames that never come.
     at_rate(camera.rate_hz, seconds, [&](std::int64_t i, double t) {
@@ -192,7 +195,8 @@ struct Simulation::Impl {
       const std::int64_t j =
           jitter_us(kCameraStampStream, i, stamps.camera_jitter_s, 1.0 / camera.rate_hz);
       add(Channel::kGroundTruth, i, t, j);
-      if (!silent(Sensor::kCamera, t)) add(Channel::kCamera, i, t, j);
+      if (!silent(Sensor::kCamera, t))
+        add(Channel::kCamera, i, t, j + us(options.camera_stamps_late_s));
     });
     std::sort(due.begin(), due.end(), [](const Due& a, const Due& b) {
       return std::tuple(a.utime_us, a.channel, a.index) <
@@ -233,7 +237,8 @@ struct Simulation::Impl {
   std::int64_t epoch_us;
   double seconds;
   Scene scene;
-  RobotModel robot;
+  RobotModel on_paper;
+  RobotModel robot;  // as it is
   CameraModel camera;
   std::vector<Eigen::Vector2d> way_points_m;
   Drive drive;
@@ -278,7 +283,7 @@ Bytes Simulation::message(const Due& due) const {
   const double stamp_s = 1e-6 * static_cast<double>(due.utime_us - my.epoch_us);
   switch (due.channel) {
     case Channel::kRobotModel:
-      return with_seq(to_message(my.robot, due.utime_us));
+      return with_seq(to_message(my.on_paper, due.utime_us));
     case Channel::kCameraModel:
       return with_seq(to_message(my.camera, due.utime_us));
     case Channel::kGroundTruth:

@@ -41,6 +41,11 @@ struct SimulationOptions {
   std::vector<TimeSpan> covered;  // the camera's lens is covered: black frames
   std::vector<Silence> silent;    // nothing comes from a sensor
   int threads = 2;                // the bytes do not depend on it
+  // For calibration: where the sensors truly are, and by how much the camera's stamps are late;
+  // ROBOT_MODEL keeps saying what is on paper.
+  std::optional<SE3> T_base_lidar;   // true
+  std::optional<SE3> T_base_camera;  // true, optical frame
+  double camera_stamps_late_s = 0.0;
 };
 
 constexpr std::int64_t kEpochUs = 1'700'000'000'000'000;  // utime of every log's start

@@ -157,8 +157,8 @@ TEST(FramePairer, PairsAsLookingAtAllImagesAtOnce) {
       const std::int64_t ahead_us = static_cast<std::int64_t>(2e5 * (chance(random) - 0.5));
       const bool take_colour =
           j == depth.size() || (i < colour.size() && colour[i] < depth[j] + ahead_us);
-      const auto pair = take_colour ? pairer.add_colour({colour[i], cv::Mat()})
-                                    : pairer.add_depth({depth[j], cv::Mat()});
+      const auto pair = take_colour ? pairer.add_colour({colour[i], cv::Mat(), 0})
+                                    : pairer.add_depth({depth[j], cv::Mat(), 0});
       ++(take_colour ? i : j);
       if (pair) found.emplace_back(pair->colour.utime_us, pair->depth.utime_us);
     }
@@ -171,8 +171,8 @@ TEST(FramePairer, InterleavedStreamsLoseNothing) {
   FramePairer pairer(1.0 / 30.0);
   int pairs = 0;
   for (int i = 1; i <= 100; ++i) {
-    pairs += pairer.add_colour({i * 33'333LL, cv::Mat()}).has_value();
-    const auto pair = pairer.add_depth({i * 33'333LL + 9000, cv::Mat()});
+    pairs += pairer.add_colour({i * 33'333LL, cv::Mat(), 0}).has_value();
+    const auto pair = pairer.add_depth({i * 33'333LL + 9000, cv::Mat(), 0});
     pairs += pair.has_value();
     if (pair) {
       EXPECT_EQ(pair->error_us(), 9000);
@@ -184,10 +184,10 @@ TEST(FramePairer, InterleavedStreamsLoseNothing) {
 
 TEST(FramePairer, AStreamThatStopsHoldsLittle) {
   FramePairer pairer(1.0 / 30.0);
-  for (int i = 1; i <= 100; ++i) EXPECT_FALSE(pairer.add_colour({i * 33'333LL, cv::Mat()}));
+  for (int i = 1; i <= 100; ++i) EXPECT_FALSE(pairer.add_colour({i * 33'333LL, cv::Mat(), 0}));
   EXPECT_GE(pairer.counters().colour_alone, 90);
-  EXPECT_FALSE(pairer.add_colour({1, cv::Mat()}));  // backwards
-  EXPECT_TRUE(pairer.add_depth({100 * 33'333LL, cv::Mat()}));
+  EXPECT_FALSE(pairer.add_colour({1, cv::Mat(), 0}));  // backwards
+  EXPECT_TRUE(pairer.add_depth({100 * 33'333LL, cv::Mat(), 0}));
 }
 
 TEST(Latest, KeepsTheNewestAndEnds) {

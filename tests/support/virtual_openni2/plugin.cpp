@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <Driver/OniDriverAPI.h>
 #include <fcntl.h>
@@ -204,6 +205,7 @@ OniBool VirtualStream::isPropertySupported(int id) {
     case ONI_STREAM_PROPERTY_MAX_VALUE:
     case ONI_STREAM_PROPERTY_MIN_VALUE:
     case ONI_STREAM_PROPERTY_STRIDE:
+    case ONI_STREAM_PROPERTY_CROPPING:
       return TRUE;
     case ONI_STREAM_PROPERTY_AUTO_EXPOSURE:
     case ONI_STREAM_PROPERTY_AUTO_WHITE_BALANCE:
@@ -224,6 +226,8 @@ OniStatus VirtualStream::getProperty(int id, void* data, int* size) {
       return give(as_colour ? head.colour_fov_x_rad : head.depth_fov_x_rad, data, size);
     case ONI_STREAM_PROPERTY_VERTICAL_FOV:
       return give(as_colour ? head.colour_fov_y_rad : head.depth_fov_y_rad, data, size);
+    case ONI_STREAM_PROPERTY_CROPPING:  // the player of recordings wants to be told
+      return give(OniCropping{}, data, size);
     case ONI_STREAM_PROPERTY_MIRRORING:
       return give<OniBool>(mirrored_ ? TRUE : FALSE, data, size);
     case ONI_STREAM_PROPERTY_AUTO_EXPOSURE:
@@ -269,13 +273,17 @@ OniStatus VirtualStream::setProperty(int id, const void* data, int size) {
 
 // A recording keeps what is told here.
 void VirtualStream::notifyAllProperties() {
-  for (const int id :
-       {ONI_STREAM_PROPERTY_VIDEO_MODE, ONI_STREAM_PROPERTY_HORIZONTAL_FOV,
-        ONI_STREAM_PROPERTY_VERTICAL_FOV, ONI_STREAM_PROPERTY_MIRRORING,
-        ONI_STREAM_PROPERTY_MAX_VALUE, ONI_STREAM_PROPERTY_MIN_VALUE, ONI_STREAM_PROPERTY_STRIDE}) {
-    char value[sizeof(OniVideoMode)];
-    int size = id == ONI_STREAM_PROPERTY_VIDEO_MODE ? static_cast<int>(sizeof(OniVideoMode))
-                                                    : static_cast<int>(sizeof(int));
+  const std::pair<int, std::size_t> all[] = {{ONI_STREAM_PROPERTY_VIDEO_MODE, sizeof(OniVideoMode)},
+                                             {ONI_STREAM_PROPERTY_HORIZONTAL_FOV, sizeof(float)},
+                                             {ONI_STREAM_PROPERTY_VERTICAL_FOV, sizeof(float)},
+                                             {ONI_STREAM_PROPERTY_MIRRORING, sizeof(OniBool)},
+                                             {ONI_STREAM_PROPERTY_MAX_VALUE, sizeof(int)},
+                                             {ONI_STREAM_PROPERTY_MIN_VALUE, sizeof(int)},
+                                             {ONI_STREAM_PROPERTY_STRIDE, sizeof(int)},
+                                             {ONI_STREAM_PROPERTY_CROPPING, sizeof(OniCropping)}};
+  for (const auto& [id, bytes] : all) {
+    char value[64];
+    int size = static_cast<int>(bytes);
     if (getProperty(id, value, &size) == ONI_STATUS_OK) raisePropertyChanged(id, value, size);
   }
 }
