@@ -1,6 +1,8 @@
 // Edges of the pose graph: what was measured between two nodes, and by what.
 #pragma once
 
+#include <optional>
+
 #include "libs/geometry/pose.hpp"
 #include "libs/graph/node_id.hpp"
 
@@ -22,6 +24,8 @@ struct GraphEdge {
   SE3 T_from_to = SE3::Identity();
   Matrix6d covariance = Matrix6d::Identity();  // of xi in T_from_to * Exp(xi), as the sensor said
   double loop_weight = 1.0;  // after the last solve; below 0.1: outvoted. 1 for all but loops
+  // What global bundle adjustment says instead of T_from_to; its own measurement stays T_from_to.
+  std::optional<SE3> adjusted = std::nullopt;
 };
 
 }  // namespace fusion_slam

@@ -8,6 +8,8 @@ Matrix6d effective_covariance(const EdgeNoiseConfig& config, const GraphEdge& ed
     covariance *= config.lidar_optimism;
   else if (edge.kind != EdgeKind::kLoop)
     covariance *= config.visual_optimism;
+  else if (edge.to.kind == NodeKind::kLidar)
+    covariance *= config.lidar_loop_optimism;
   if (edge.kind == EdgeKind::kLidar || edge.kind == EdgeKind::kTie ||
       edge.kind == EdgeKind::kOdometry) {
     const double z = planar ? config.lidar_planar_z_m : config.lidar_free_z_m;

@@ -30,6 +30,10 @@ std::optional<RunOptions> parse_run_options(int argc, char** argv, int* exit_cod
                  "use this LCM network, where others can listen, instead of a private one");
   app.add_option("--max-events", options.most_events, "stop after this many sensor events")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--without", options.without,
+                 "play the log as if the robot had no camera, lidar or odometry; several: a,b")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"camera", "lidar", "odometry"}));
   app.add_option("--relations", options.relations,
                  "score the trajectory against these relations (Kuemmerle et al. 2009)")
       ->check(CLI::ExistingFile);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct RunOptions {
   std::int64_t most_events = 0;          // sensor events to play; 0: all
   std::filesystem::path relations;       // reference relations (Kuemmerle et al. 2009), optional
   double relations_time_offset_s = 0.0;  // added to the trajectory's times
+  std::set<std::string> without;         // inputs left out: camera, lidar, odometry
   bool keep_session = true;              // record session.lcmlog
   std::filesystem::path programs;        // where the services' programs are
 };

@@ -1,5 +1,6 @@
 #include "logplayer/run/playback.hpp"
 
+#include "fusion_slam/robot_model_t.hpp"
 #include "libs/eventlog/reader.hpp"
 #include "libs/schema/guard.hpp"
 #include "logplayer/run/interrupt.hpp"
@@ -17,9 +18,28 @@ void note_sensor_time(const LogEvent& event, PlaybackResult* result) {
 
 }  // namespace
 
-void play_log(const std::filesystem::path& log, std::int64_t most_events, Conductor& conductor,
-              Progress& progress, const std::function<void(const LogEvent&)>& on_event,
-              PlaybackResult* result) {
+bool left_in(const std::set<std::string>& without, LogEvent* event) {
+  if (without.empty()) return true;
+  const auto is = [&](const char* input) { return without.count(input) > 0; };
+  const std::string& channel = event->channel;
+  if (channel == "CAMERA" || channel == "CAMERA_MODEL") return !is("camera");
+  if (channel == "LIDAR") return !is("lidar");
+  if (channel == "ODOMETRY") return !is("odometry");
+  robot_model_t robot{};
+  if (channel != "ROBOT_MODEL" ||
+      robot.decode(event->data.data(), 0, static_cast<int>(event->data.size())) < 0)
+    return true;
+  if (is("camera")) robot.has_camera = 0;
+  if (is("lidar")) robot.has_lidar = 0;
+  if (is("odometry")) robot.has_odometry = 0;
+  event->data.resize(static_cast<std::size_t>(robot.getEncodedSize()));
+  robot.encode(event->data.data(), 0, static_cast<int>(event->data.size()));
+  return true;
+}
+
+void play_log(const std::filesystem::path& log, std::int64_t most_events,
+              const std::set<std::string>& without, Conductor& conductor, Progress& progress,
+              const std::function<void(const LogEvent&)>& on_event, PlaybackResult* result) {
   LogReader reader(log);
   LogEvent event;
   std::int64_t n = 0;
@@ -28,7 +48,7 @@ void play_log(const std::filesystem::path& log, std::int64_t most_events, Conduc
       result->interrupted = true;
       return;
     }
-    if (!is_sensor_channel(event.channel)) continue;
+    if (!is_sensor_channel(event.channel) || !left_in(without, &event)) continue;
     if (n++ == 0) result->first_utime_us = event.timestamp_us;
     result->last_utime_us = event.timestamp_us;
     switch (conductor.play(event)) {

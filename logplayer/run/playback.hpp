@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 
 #include "logplayer/replay/conductor.hpp"
@@ -24,11 +25,15 @@ struct PlaybackResult {
   bool interrupted = false;
 };
 
-// Plays up to most_events (0: all). `on_event` is told of each event played. Stops early, without
-// an error, when interrupts() is not 0. Errors of the conductor (a process died, no progress) go
-// through; *result then says what was played until then.
-void play_log(const std::filesystem::path& log, std::int64_t most_events, Conductor& conductor,
-              Progress& progress, const std::function<void(const LogEvent&)>& on_event,
-              PlaybackResult* result);
+// The log as a robot without some of its inputs ("camera", "lidar", "odometry") would have written
+// it: false, leave this event out. ROBOT_MODEL is told that they aren't there.
+bool left_in(const std::set<std::string>& without, LogEvent* event);
+
+// Plays up to most_events (0: all) of what is left in. `on_event` is told of each event played.
+// Stops early, without an error, when interrupts() is not 0. Errors of the conductor (a process
+// died, no progress) go through; *result then says what was played until then.
+void play_log(const std::filesystem::path& log, std::int64_t most_events,
+              const std::set<std::string>& without, Conductor& conductor, Progress& progress,
+              const std::function<void(const LogEvent&)>& on_event, PlaybackResult* result);
 
 }  // namespace fusion_slam

@@ -81,7 +81,7 @@ Outcome replay(const RunOptions& options, const std::string& url) {
     tolerated = 1;  // the first Ctrl-C ends the playback, the second ends the waiting
     Progress progress;
     play_log(
-        options.log, options.most_events, conductor, progress,
+        options.log, options.most_events, options.without, conductor, progress,
         [&listener](const LogEvent& event) { listener.sensor_event(event); }, &outcome.playback);
     progress.finish();
     if (!outcome.playback.damage.empty()) outcome.problem = outcome.playback.damage;

@@ -6,10 +6,32 @@
 #include <cstdint>
 
 #include "libs/graph/edge_noise.hpp"
+#include "services/pose_graph/landmark_store.hpp"
 
 namespace fusion_slam {
 
+// Global bundle adjustment: keyframes, LiDAR nodes and landmarks at once.
+struct BundleConfig {
+  double pixel_sigma = 0.6;   // a corner is found to about half a pixel of its octave's
+  double octave_scale = 1.2;  // as the feature extractor's
+  TrackLimits limits;
+  int least_points = 50;  // fewer say nothing about a graph
+  // Two keyframes that share so many points need no edge of their own: theirs is believed this much
+  // less (on the covariance), for it was made of the same features.
+  int covered_points = 30;
+  double covered_factor = 100.0;
+  int iterations = 12;
+  // Few edges that agreed before may be contradicted afterwards (99.9 % of a chi-square with 6
+  // degrees of freedom): one in a hundred of each kind is a blunder of its sensor; and none by far.
+  double gate_chi2 = 22.5;
+  double gate_share = 0.01;
+  double gate_hard_chi2 = 500.0;
+  double growth = 1.25;  // of the keyframes since the last time, before it is worth while again
+  std::int64_t meet_after_us = 5'000'000;  // as PoseGraphConfig::meet_after_us; it takes longer
+};
+
 struct PoseGraphConfig {
+  BundleConfig bundle;
   EdgeNoiseConfig noise;  // how far edges are believed
 
   // A planar robot's base stays on the floor. Wider for single nodes than one frame's noise, so
@@ -43,9 +65,12 @@ struct PoseGraphConfig {
   // 99 % of a chi-square with 6 degrees of freedom.
   double loop_chi2 = 16.8;
 
-  double quiet_chi2 = 1.0;       // a loop nearer than this to the graph can wait for company
+  // A loop nearer than this to the graph can wait for company: 95 % of a chi-square with 3 degrees
+  // of freedom, so a right loop in a graph that is right waits.
+  double quiet_chi2 = 7.8;
   int most_unsolved_loops = 20;  // but not for more than this
   int quick_iterations = 5;      // of the solve between two messages
+  double quick_enough = 1e-4;    // it ends when a step lowers the cost by less than this share
   // The whole graph is solved anew in a thread of its own; its answer is taken over when the
   // measurements are this much later, not before: the same place in every replay.
   std::int64_t meet_after_us = 1'000'000;

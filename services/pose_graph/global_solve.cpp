@@ -10,19 +10,48 @@
 
 namespace fusion_slam {
 
-void PoseGraph::start_global_solve() {
+// Something of the camera's has closed since the last bundle adjustment, and the graph has grown so
+// much that one is worth while: all of them together cost a few times the last one.
+bool PoseGraph::bundle_is_due() const {
+  return camera_ && robot_ && new_visual_loops_ > 0 &&
+         static_cast<double>(seen_.n_keyframes()) >=
+             config_.bundle.growth * static_cast<double>(bundled_keyframes_);
+}
+
+std::shared_ptr<const BundleQuestion> PoseGraph::bundle_question() {
+  auto question = std::make_shared<BundleQuestion>();
+  question->camera = *camera_;
+  question->T_base_camera = robot_->T_base_camera;
+  question->seen = seen_;
+  for (const GraphEdge& edge : edges_) {
+    if (edge.kind != EdgeKind::kLoop || edge.loop_weight < 0.5) continue;
+    const auto same = same_points_.find({edge.from, edge.to});
+    if (same != same_points_.end())
+      question->same.push_back({edge.from.id, edge.to.id, same->second});
+  }
+  bundled_keyframes_ = seen_.n_keyframes();
+  new_visual_loops_ = 0;
+  return question;
+}
+
+void PoseGraph::start_global_solve(bool with_bundle) {
   if (background_ || nodes_.empty()) return;
   GlobalSolve question;
+  if (with_bundle) question.bundle = bundle_question();
   question.config = config_;
   question.options.planar = robot_ && robot_->planar;
   question.options.anchor = by_time_.begin()->second;
   question.nodes = nodes_;
   question.edges = edges_;
   background_.emplace();
-  background_->started_us = newest_utime_us_;
+  background_->meet_us =
+      newest_utime_us_ + (with_bundle ? config_.bundle.meet_after_us : config_.meet_after_us);
   background_->answer = std::async(std::launch::async, [question = std::move(question)]() mutable {
     question.report =
         solve_graph(question.config, question.options, &question.nodes, &question.edges);
+    if (question.bundle)
+      question.bundle_report = adjust_globally(question.config, question.options, *question.bundle,
+                                               &question.nodes, &question.edges);
     return std::move(question);
   });
 }
@@ -31,10 +60,16 @@ void PoseGraph::start_global_solve() {
 // how fast the thread was.
 void PoseGraph::meet_global_solve(bool now) {
   if (!background_) return;
-  if (!now && newest_utime_us_ - background_->started_us < config_.meet_after_us) return;
-  const GlobalSolve answer = background_->answer.get();
+  if (!now && newest_utime_us_ < background_->meet_us) return;
+  GlobalSolve answer = background_->answer.get();
+  for (auto& [id, node] : answer.nodes) node.T_map_base = background_->T_now_then * node.T_map_base;
   background_.reset();
+  const std::size_t asked = answer.edges.size();
+  const bool pulls =
+      std::any_of(edges_.begin() + static_cast<std::ptrdiff_t>(asked), edges_.end(),
+                  [](const GraphEdge& edge) { return edge.kind == EdgeKind::kLoop; });
   adopt(answer);
+  if (pulls) solve({});  // the answer knows nothing of loops that came since
 }
 
 // Nodes that came since then move along with the newest one of their kind that was there.
@@ -60,8 +95,15 @@ void PoseGraph::adopt(const GlobalSolve& answer) {
     }
     changed_.insert(id);
   }
-  for (std::size_t i = 0; i < answer.edges.size(); ++i)
+  for (std::size_t i = 0; i < answer.edges.size(); ++i) {
     edges_[i].loop_weight = answer.edges[i].loop_weight;
+    const bool as_asked = edges_[i].T_from_to.matrix() == answer.edges[i].T_from_to.matrix();
+    if (answer.bundle_report.accepted && as_asked) edges_[i].adjusted = answer.edges[i].adjusted;
+  }
+  if (answer.bundle) {
+    ++(answer.bundle_report.accepted ? counts_.bundles : counts_.bundles_refused);
+    last_bundle_ = answer.bundle_report;
+  }
   counts_.loops_outvoted = answer.report.loops_outvoted;
   for (const auto& [edge, error] : answer.report.loop_errors) {
     if (edges_[edge].loop_weight < 0.1)
@@ -94,6 +136,7 @@ void PoseGraph::judge_loops() {
                   config_.switch_off_after);
     state.reason = text;
     switched_off_.push_back(state);
+    same_points_.erase({edge.from, edge.to});
     ++counts_.loops_switched_off;
   }
   for (auto i = off.rbegin(); i != off.rend(); ++i)

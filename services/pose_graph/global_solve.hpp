@@ -3,13 +3,17 @@
 
 #include <cstdint>
 #include <future>
+#include <memory>
 #include <vector>
 
+#include "services/pose_graph/global_bundle.hpp"
 #include "services/pose_graph/graph_solver.hpp"
 
 namespace fusion_slam {
 
-struct GlobalSolve {  // question and answer
+struct GlobalSolve {                             // question and answer
+  std::shared_ptr<const BundleQuestion> bundle;  // with it: global bundle adjustment afterwards
+  BundleReport bundle_report;
   PoseGraphConfig config;
   SolveOptions options;
   GraphNodes nodes;
@@ -18,7 +22,8 @@ struct GlobalSolve {  // question and answer
 };
 
 struct BackgroundSolve {
-  std::int64_t started_us = 0;  // measurement time
+  std::int64_t meet_us = 0;          // measurement time at which the answer is taken over
+  SE3 T_now_then = SE3::Identity();  // how the whole map has been moved since it was asked
   std::future<GlobalSolve> answer;
 };
 

@@ -9,6 +9,7 @@
 
 #include "libs/geometry/pose.hpp"
 #include "libs/graph/node_id.hpp"
+#include "services/pose_graph/landmark_store.hpp"
 
 namespace fusion_slam {
 
@@ -27,6 +28,7 @@ struct NodeInput {  // KEYFRAME or LIDAR_NODE
     SE3 T_previous_base = SE3::Identity();
   };
   std::vector<Refined> refined;
+  std::vector<SeenFeature> seen;  // of keyframes: features that show a known point
 };
 
 struct PoseInput {  // VISUAL_POSE (sensor kKeyframe) or LIDAR_POSE (kLidar)

@@ -1,6 +1,7 @@
 #include "services/pose_graph/graph_messages.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "libs/messages/convert.hpp"
 
@@ -36,6 +37,16 @@ std::optional<NodeInput> node_from(const keyframe_t& message) {
   for (std::int32_t i = 0; i < message.n_refined; ++i)
     if (const auto T = from_message(message.T_previous_refined[static_cast<std::size_t>(i)]))
       node->refined.push_back({message.refined_id[static_cast<std::size_t>(i)], *T});
+  for (std::int32_t f = 0; f < message.n; ++f) {
+    const auto i = static_cast<std::size_t>(f);
+    const bool finite = std::isfinite(message.u_px[i]) && std::isfinite(message.v_px[i]) &&
+                        std::isfinite(message.depth_m[i]) &&
+                        std::isfinite(message.depth_sigma_m[i]);
+    if (message.landmark_id[i] <= 0 || !finite) continue;
+    node->seen.push_back({message.landmark_id[i], f, message.u_px[i], message.v_px[i],
+                          message.depth_m[i], message.depth_sigma_m[i],
+                          std::clamp<std::int8_t>(message.octave[i], 0, 16)});
+  }
   return node;
 }
 

@@ -74,7 +74,7 @@ double edge_error(const PoseGraphConfig& config, bool planar, const GraphNodes& 
                   const GraphEdge& edge) {
   const Vector6d error =
       relative_pose_error(nodes.at(edge.from).T_map_base, nodes.at(edge.to).T_map_base,
-                          edge.T_from_to, nullptr, nullptr);
+                          edge.adjusted ? *edge.adjusted : edge.T_from_to, nullptr, nullptr);
   return (sqrt_information(effective_covariance(config.noise, edge, planar)) * error).squaredNorm();
 }
 

@@ -20,6 +20,7 @@ struct SolveOptions {
   // non-convexity and keep the cheaper answer. Takes several times as long.
   bool doubt = true;
   int max_iterations = 60;
+  double enough = 1e-7;  // done when a step lowers the cost by less than this share of it
 };
 
 struct SolveReport {

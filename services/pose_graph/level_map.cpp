@@ -22,6 +22,7 @@ bool PoseGraph::level_map(const NodeId& id, const SE3& T_level_id, std::string* 
     node.T_map_base = T_level_map * node.T_map_base;
     changed_.insert(node_id);
   }
+  if (background_) background_->T_now_then = T_level_map * background_->T_now_then;
   if (last_pose_) last_pose_->T_map_base = T_level_map * last_pose_->T_map_base;
   taken_.clear();  // every node is handed out, however little it moved: all are in one map again
   ++counts_.levellings;

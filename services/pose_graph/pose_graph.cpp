@@ -13,6 +13,8 @@ PoseGraph::PoseGraph(PoseGraphConfig config)
 
 void PoseGraph::set_robot(const RobotModel& robot) { robot_ = robot; }
 
+void PoseGraph::set_camera(const CameraModel& camera) { camera_ = camera; }
+
 void PoseGraph::add_node(const NodeInput& node) {
   const auto key = std::make_pair(node.utime_us, node.id);
   if (node.id.id <= 0 || known(node.id) || waiting_nodes_.count(key) > 0) {
@@ -59,8 +61,9 @@ void PoseGraph::finish() {
   settle();
   meet_global_solve(true);
   // Twice: loops that don't fit in the first are switched off before the second.
+  // The second ends with bundle adjustment when the camera has closed a loop.
   for (int round = 0; round < 2; ++round) {
-    start_global_solve();
+    start_global_solve(round == 1 && camera_ && robot_ && !same_points_.empty());
     meet_global_solve(true);
   }
   say_poses();
@@ -73,6 +76,7 @@ void PoseGraph::settle() {
   if (tie_keyframes()) refine_window();
   meet_global_solve(false);
   if (take_loops()) solve({});
+  if (bundle_is_due()) start_global_solve(true);
   say_poses();
 }
 
@@ -117,14 +121,17 @@ void PoseGraph::refine_edges(const NodeInput& node) {
   for (const NodeInput::Refined& refined : node.refined)
     for (GraphEdge& edge : edges_)
       if (edge.kind == EdgeKind::kVisual && edge.to == NodeId{node.id.kind, refined.id} &&
-          edge.from.kind == node.id.kind)
+          edge.from.kind == node.id.kind) {
         edge.T_from_to = refined.T_previous_base;
+        edge.adjusted.reset();
+      }
 }
 
 void PoseGraph::put(const NodeInput& node, const SE3& T_map_base) {
   nodes_[node.id] = {node.utime_us, T_map_base, node.T_odom_base};
   by_time_.emplace(node.utime_us, node.id);
   changed_.insert(node.id);
+  if (!node.seen.empty()) seen_.add(node.id.id, node.seen);
   if (node.id.kind == NodeKind::kKeyframe) waiting_ties_.emplace(node.utime_us, node.id);
   if (waiting_ties_.size() > config_.max_waiting) waiting_ties_.erase(waiting_ties_.begin());
 }
@@ -164,6 +171,10 @@ bool PoseGraph::take_loops() {
     edges_.push_back({EdgeKind::kLoop, loop.from, loop.to, loop.T_from_to, loop.covariance, 1.0});
     ++counts_.loops;
     ++unsolved_loops_;
+    if (!loop.same_features.empty()) {
+      same_points_[{loop.from, loop.to}] = loop.same_features;
+      ++new_visual_loops_;
+    }
     const bool planar = robot_ && robot_->planar;
     pulls = pulls || edge_error(config_, planar, nodes_, edges_.back()) > config_.quiet_chi2;
   }
@@ -190,6 +201,7 @@ void PoseGraph::solve(const std::set<NodeId>& moving) {
   options.moving = moving;
   options.doubt = false;
   options.max_iterations = config_.quick_iterations;
+  options.enough = config_.quick_enough;
   const SolveReport report = solve_graph(config_, options, &nodes_, &edges_);
   ++counts_.solves;
   for (const auto& [id, node] : nodes_)
@@ -199,7 +211,7 @@ void PoseGraph::solve(const std::set<NodeId>& moving) {
   unsolved_loops_ = 0;
   counts_.loops_outvoted = report.loops_outvoted;
   for (const auto& [edge, error] : report.loop_errors)
-    if (error > config_.loop_chi2) return start_global_solve();
+    if (error > config_.loop_chi2) return start_global_solve(false);
 }
 
 std::vector<std::pair<NodeId, GraphNode>> PoseGraph::take_changes() {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -17,6 +18,7 @@
 
 #include "libs/robot/robot_model.hpp"
 #include "services/pose_graph/config.hpp"
+#include "services/pose_graph/global_bundle.hpp"
 #include "services/pose_graph/global_solve.hpp"
 #include "services/pose_graph/graph_inputs.hpp"
 #include "services/pose_graph/graph_solver.hpp"
@@ -31,6 +33,8 @@ struct PoseGraphCounts {
   std::int64_t loops_outvoted = 0;
   std::int64_t loops_switched_off = 0;
   std::int64_t ties = 0;
+  std::int64_t bundles = 0;  // global bundle adjustments taken over
+  std::int64_t bundles_refused = 0;
   std::int64_t restarts = 0;  // tracks that started anew and were hung on the last known pose
   std::int64_t levellings = 0;
   std::int64_t rejected = 0;  // duplicate ids, edges from a node to itself, impossible levellings
@@ -45,6 +49,7 @@ class PoseGraph {
   explicit PoseGraph(PoseGraphConfig config = {});
 
   void set_robot(const RobotModel& robot);
+  void set_camera(const CameraModel& camera);  // without it: no bundle adjustment
   void add_node(const NodeInput& node);
   void add_pose(const PoseInput& pose);
   void add_odometry(std::int64_t utime_us, const SE3& T_odom_base);
@@ -66,6 +71,7 @@ class PoseGraph {
   const GraphNodes& nodes() const { return nodes_; }
   const std::vector<GraphEdge>& edges() const { return edges_; }
   const PoseGraphCounts& counts() const { return counts_; }
+  const BundleReport& last_bundle() const { return last_bundle_; }
   // Loops that are not believed any more, oldest first.
   const std::vector<LoopState>& switched_off() const { return switched_off_; }
 
@@ -88,7 +94,9 @@ class PoseGraph {
   bool take_loops();
   void refine_window();
   void solve(const std::set<NodeId>& moving);
-  void start_global_solve();
+  bool bundle_is_due() const;
+  std::shared_ptr<const BundleQuestion> bundle_question();
+  void start_global_solve(bool with_bundle);
   void meet_global_solve(bool now);
   void adopt(const GlobalSolve& answer);
   void judge_loops();
@@ -105,6 +113,7 @@ class PoseGraph {
 
   PoseGraphConfig config_;
   std::optional<RobotModel> robot_;
+  std::optional<CameraModel> camera_;
   GraphNodes nodes_;
   std::vector<GraphEdge> edges_;
   std::set<std::pair<std::int64_t, NodeId>> by_time_;
@@ -129,6 +138,11 @@ class PoseGraph {
   int unsolved_loops_ = 0;              // taken since the last solve of the whole graph
   std::map<std::size_t, int> doubted_;  // edge: whole solves in a row that it did not fit
   std::optional<BackgroundSolve> background_;
+  LandmarkStore seen_;
+  std::map<std::pair<NodeId, NodeId>, std::vector<std::pair<int, int>>> same_points_;  // by loop
+  std::size_t bundled_keyframes_ = 0;  // at the last bundle adjustment
+  int new_visual_loops_ = 0;           // since then
+  BundleReport last_bundle_;
   PoseGraphCounts counts_;
 };
 

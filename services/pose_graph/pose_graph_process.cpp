@@ -25,6 +25,8 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus) {
     };
   };
   bus.subscribe<robot_model_t>("ROBOT_MODEL", Policy::kLatestOnly, on(&PoseGraphProcess::on_robot));
+  bus.subscribe<camera_model_t>("CAMERA_MODEL", Policy::kLatestOnly,
+                                on(&PoseGraphProcess::on_camera));
   bus.subscribe<keyframe_t>("KEYFRAME", Policy::kKeepAll, on(&PoseGraphProcess::on_keyframe));
   bus.subscribe<lidar_node_t>("LIDAR_NODE", Policy::kKeepAll, on(&PoseGraphProcess::on_lidar_node));
   bus.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll, on(&PoseGraphProcess::on_constraint));
@@ -48,6 +50,14 @@ void PoseGraphProcess::on_robot(const robot_model_t& message) {
     graph_.set_robot(*robot);
   else
     reject("ROBOT_MODEL", why.c_str());
+}
+
+void PoseGraphProcess::on_camera(const camera_model_t& message) {
+  std::string why;
+  if (const auto camera = from_message(message, &why))
+    graph_.set_camera(*camera);
+  else
+    reject("CAMERA_MODEL", why.c_str());
 }
 
 void PoseGraphProcess::on_keyframe(const keyframe_t& message) {
@@ -161,7 +171,11 @@ void PoseGraphProcess::say_state() {
   bus_.set_state_text(std::to_string(graph_.nodes().size()) + " nodes, " + std::to_string(n.loops) +
                       " loops (" + std::to_string(n.loops_outvoted) + " outvoted), " +
                       std::to_string(n.ties) + " camera-LiDAR ties, " + std::to_string(n.restarts) +
-                      " restarts");
+                      " restarts, " + std::to_string(n.bundles) + " bundle adjustments" +
+                      (n.bundles_refused > 0
+                           ? " (" + std::to_string(n.bundles_refused) +
+                                 " refused, last: " + graph_.last_bundle().reason + ")"
+                           : std::string()));
 }
 
 }  // namespace fusion_slam

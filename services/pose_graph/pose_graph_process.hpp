@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bot_core/pose_t.hpp"
+#include "fusion_slam/camera_model_t.hpp"
 #include "fusion_slam/command_t.hpp"
 #include "fusion_slam/constraint_t.hpp"
 #include "fusion_slam/graph_node_t.hpp"
@@ -23,6 +24,7 @@ class PoseGraphProcess {
 
  private:
   void on_robot(const robot_model_t& message);
+  void on_camera(const camera_model_t& message);
   void on_keyframe(const keyframe_t& message);
   void on_lidar_node(const lidar_node_t& message);
   void on_pose(NodeKind sensor, const pose_estimate_t& message);

@@ -13,13 +13,12 @@ namespace {
 
 constexpr double kFirstDamping = 1e-6;  // of the diagonal: nearly Gauss-Newton
 constexpr double kMostDamping = 1e4;
-constexpr double kEnough = 1e-7;  // relative decrease of the cost below which it is done
 
 }  // namespace
 
 SparseProblem::SparseProblem(const PoseGraphConfig& config, const SolveOptions& options,
                              const GraphNodes& nodes, const std::vector<GraphEdge>& edges)
-    : config_(config), planar_(options.planar) {
+    : config_(config), planar_(options.planar), enough_(options.enough) {
   const auto moves = [&](const NodeId& id) {
     return id != options.anchor && (options.moving.empty() || options.moving.count(id) > 0);
   };
@@ -46,7 +45,7 @@ SparseProblem::SparseProblem(const PoseGraphConfig& config, const SolveOptions& 
       term.to = to->second;
     else
       term.T_to = nodes.at(edge.to).T_map_base;
-    term.measured = edge.T_from_to;
+    term.measured = edge.adjusted ? *edge.adjusted : edge.T_from_to;
     term.sqrt_information =
         sqrt_information(effective_covariance(config.noise, edge, options.planar));
     term.edge = i;
@@ -54,17 +53,26 @@ SparseProblem::SparseProblem(const PoseGraphConfig& config, const SolveOptions& 
     has_loops_ = has_loops_ || term.loop;
     terms_.push_back(term);
   }
-  make_pattern();
+}
+
+int SparseProblem::variable_of(const NodeId& id) const {
+  const auto found = std::lower_bound(variables_.begin(), variables_.end(), id);
+  if (found == variables_.end() || *found != id) return -1;
+  return static_cast<int>(found - variables_.begin());
 }
 
 // Which blocks the matrix has, in an order of elimination that keeps it sparse.
 void SparseProblem::make_pattern() {
-  const int n = static_cast<int>(variables_.size());
+  const int n = n_variables();
+  has_pattern_ = true;
   if (n == 0) return;
   std::set<std::pair<int, int>> pairs;
   for (const Term& term : terms_)
     if (term.from >= 0 && term.to >= 0)
       pairs.emplace(std::max(term.from, term.to), std::min(term.from, term.to));
+  if (part_ != nullptr)
+    for (const auto& [small, large] : part_->pairs())
+      if (small != large) pairs.emplace(large, small);
   std::vector<Eigen::Triplet<double>> triplets;
   for (int i = 0; i < n; ++i) triplets.emplace_back(i, i, 1.0);
   for (const auto& [row, column] : pairs) triplets.emplace_back(row, column, 1.0);
@@ -98,6 +106,12 @@ void SparseProblem::make_pattern() {
     term.block_cross = block_at.at({std::min(f, t), std::max(f, t)});
     term.cross_transposed = f > t;  // rows of the block are `from`'s
   }
+  if (part_ != nullptr)
+    for (const auto& [small, large] : part_->pairs()) {
+      const int s = place_of(small), l = place_of(large);
+      part_block_.push_back(block_at.at({std::min(s, l), std::max(s, l)}));
+      part_transposed_.push_back(s < l ? 1 : 0);  // rows of the block are the larger one's
+    }
 
   // The scalar matrix's pattern: full 6x6 blocks, diagonal ones included whole.
   H_.resize(6 * n, 6 * n);
@@ -134,7 +148,7 @@ double SparseProblem::cost(const Poses& poses, double mu) const {
   if (planar_)
     for (const SE3& T : poses)
       sum += planar_residual(config_.planar_z_m, config_.planar_tilt_rad, T, nullptr).squaredNorm();
-  return 0.5 * sum;
+  return 0.5 * sum + (part_ != nullptr ? part_->cost(poses) : 0.0);
 }
 
 std::vector<std::pair<std::size_t, double>> SparseProblem::loop_errors(const Poses& poses) const {
@@ -175,6 +189,7 @@ void SparseProblem::linearise(const Poses& poses, double mu) {
     else
       cross.noalias() += weight * (B.transpose() * A);
   }
+  if (part_ != nullptr) add_part(poses);
   if (!planar_) return;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     Eigen::Matrix<double, 3, 6> J;
@@ -183,6 +198,19 @@ void SparseProblem::linearise(const Poses& poses, double mu) {
     blocks_[static_cast<std::size_t>(diagonal_[i])] += J.transpose() * J;
     gradient_.segment<6>(6 * order_[i]) += J.transpose() * e;
   }
+}
+
+void SparseProblem::add_part(const Poses& poses) {
+  part_->linearise(poses);
+  for (std::size_t i = 0; i < part_block_.size(); ++i) {
+    Matrix6d& block = blocks_[static_cast<std::size_t>(part_block_[i])];
+    if (part_transposed_[i] != 0)
+      block += part_->blocks()[i].transpose();
+    else
+      block += part_->blocks()[i];
+  }
+  for (std::size_t v = 0; v < poses.size(); ++v)
+    gradient_.segment<6>(6 * order_[v]) += part_->gradient()[v];
 }
 
 void SparseProblem::fill(double damping) {
@@ -200,6 +228,7 @@ void SparseProblem::fill(double damping) {
 
 double SparseProblem::minimise(double mu, int max_iterations, Poses* poses, int* iterations,
                                bool* usable) {
+  if (!has_pattern_) make_pattern();
   double now = cost(*poses, mu);
   double damping = kFirstDamping;
   linearise(*poses, mu);
@@ -219,10 +248,15 @@ double SparseProblem::minimise(double mu, int max_iterations, Poses* poses, int*
     }
     const Eigen::VectorXd step = cholesky_.solve(gradient_);
     Poses next = *poses;
-    for (std::size_t v = 0; v < next.size(); ++v)
-      next[v] = retract(next[v], Vector6d(-step.segment<6>(6 * order_[v])));
+    std::vector<Vector6d> steps(next.size());
+    for (std::size_t v = 0; v < next.size(); ++v) {
+      steps[v] = -step.segment<6>(6 * order_[v]);
+      next[v] = retract(next[v], steps[v]);
+    }
+    if (part_ != nullptr) part_->step(steps);
     const double then = cost(next, mu);
     if (!(then < now)) {
+      if (part_ != nullptr) part_->drop();
       if (step.cwiseAbs().maxCoeff() < 1e-9 || damping > kMostDamping || then - now < 1e-12 * now)
         return now;
       damping *= 16.0;
@@ -232,7 +266,7 @@ double SparseProblem::minimise(double mu, int max_iterations, Poses* poses, int*
     *poses = std::move(next);
     now = then;
     damping = std::max(1e-9, damping / 8.0);
-    if (gain < kEnough * now + 1e-12) return now;
+    if (gain < enough_ * now + 1e-12) return now;
     linearise(*poses, mu);
   }
   return now;

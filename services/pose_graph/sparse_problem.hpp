@@ -10,12 +10,11 @@
 #include <Eigen/SparseCore>
 
 #include "services/pose_graph/config.hpp"
+#include "services/pose_graph/eliminated_part.hpp"
 #include "services/pose_graph/graph_solver.hpp"
 #include "services/pose_graph/graph_types.hpp"
 
 namespace fusion_slam {
-
-using Poses = std::vector<SE3>;
 
 // A pose graph's cost as a function of the poses that may move. Not thread-safe.
 class SparseProblem {
@@ -23,6 +22,12 @@ class SparseProblem {
   // Takes those of the edges that have a moving end. Variables in the order of their ids.
   SparseProblem(const PoseGraphConfig& config, const SolveOptions& options, const GraphNodes& nodes,
                 const std::vector<GraphEdge>& edges);
+
+  // Of a node; -1: it stands still.
+  int variable_of(const NodeId& id) const;
+  int n_variables() const { return static_cast<int>(variables_.size()); }
+  // Before the first minimise(); must outlive it. Its cost is part of the whole.
+  void attach(EliminatedPart* part) { part_ = part; }
 
   bool empty() const { return variables_.empty(); }
   bool has_loops() const { return has_loops_; }
@@ -53,15 +58,20 @@ class SparseProblem {
   Vector6d error(const Term& term, const Poses& poses, Matrix6d* J_from, Matrix6d* J_to) const;
   void make_pattern();
   void linearise(const Poses& poses, double mu);
-  double* block(int index) { return blocks_[static_cast<std::size_t>(index)].data(); }
+  void add_part(const Poses& poses);
   void fill(double damping);
 
   const PoseGraphConfig& config_;
   bool planar_;
+  double enough_;
   bool has_loops_ = false;
   std::vector<NodeId> variables_;
   Poses start_;
   std::vector<Term> terms_;
+  EliminatedPart* part_ = nullptr;
+  std::vector<int> part_block_;        // by pair of the part
+  std::vector<char> part_transposed_;  // the block's rows are the smaller variable's
+  bool has_pattern_ = false;
 
   // Lower block triangle in elimination order.
   std::vector<int> order_;                      // variable -> place in the matrix

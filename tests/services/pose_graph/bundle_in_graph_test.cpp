@@ -1,0 +1,144 @@
+// Global bundle adjustment as a part of the pose graph: when it is asked for, where it is met.
+#include <gtest/gtest.h>
+
+#include "services/pose_graph/pose_graph.hpp"
+#include "tests/services/pose_graph/made_up_room.hpp"
+
+namespace fusion_slam {
+namespace {
+
+constexpr std::int64_t kPeriodUs = 500'000;
+
+RobotModel robot(const MadeUpRoom& room, bool planar) {
+  RobotModel robot;
+  robot.has_camera = true;
+  robot.planar = planar;
+  robot.T_base_camera = room.question.T_base_camera;
+  return robot;
+}
+
+// The store of a made-up room gives no features away: what was seen is told again by a tracker that
+// names each point anew after `new_names_from`, so that only the loop knows they are the same.
+struct Drive {
+  MadeUpRoom room;
+  std::size_t new_names_from;
+
+  NodeInput keyframe(std::size_t k) const {
+    NodeInput node;
+    node.id = MadeUpRoom::id(k);
+    node.utime_us = static_cast<std::int64_t>(k + 1) * kPeriodUs;
+    node.seen = room.seen[k];
+    if (k >= new_names_from)
+      for (SeenFeature& f : node.seen) f.landmark += 100'000;
+    if (k > 0) {
+      node.previous_id = static_cast<std::int64_t>(k);
+      node.T_previous_base = room.edges[k - 1].T_from_to;
+      node.covariance = room.edges[k - 1].covariance;
+    }
+    return node;
+  }
+  // By the points that both see.
+  LoopInput loop(std::size_t from, std::size_t to) const {
+    LoopInput loop;
+    loop.from = MadeUpRoom::id(from);
+    loop.to = MadeUpRoom::id(to);
+    loop.T_from_to = room.truth[from].inverse() * room.truth[to];
+    loop.covariance = Matrix6d::Identity() * 1e-4;
+    for (const SeenFeature& a : room.seen[from])
+      for (const SeenFeature& b : room.seen[to])
+        if (a.landmark == b.landmark) loop.same_features.emplace_back(a.index, b.index);
+    return loop;
+  }
+};
+
+constexpr std::size_t kKeyframes = 40;
+
+TEST(BundleInGraph, ALoopOfTheCameraBringsItAndTheRestFollows) {
+  const Drive drive{MadeUpRoom(kKeyframes, 500, 0.01, 0.004, 1), 30};
+  PoseGraph graph;
+  graph.set_robot(robot(drive.room, true));
+  graph.set_camera(drive.room.question.camera);
+  for (std::size_t k = 0; k < kKeyframes; ++k) graph.add_node(drive.keyframe(k));
+  EXPECT_EQ(graph.counts().bundles, 0);  // nothing has closed
+  graph.add_loop(drive.loop(1, 37));
+  graph.finish();
+  EXPECT_GE(graph.counts().bundles, 1) << graph.last_bundle().reason;
+  EXPECT_EQ(graph.counts().bundles_refused, 0);
+  EXPECT_LT(drive.room.worst_m(graph.nodes()), 0.06);
+}
+
+TEST(BundleInGraph, NoCameraModelNoBundle) {
+  const Drive drive{MadeUpRoom(kKeyframes, 500, 0.01, 0.004, 1), 30};
+  PoseGraph graph;
+  graph.set_robot(robot(drive.room, true));
+  for (std::size_t k = 0; k < kKeyframes; ++k) graph.add_node(drive.keyframe(k));
+  graph.add_loop(drive.loop(1, 37));
+  graph.finish();
+  EXPECT_EQ(graph.counts().bundles + graph.counts().bundles_refused, 0);
+}
+
+// It is met at a measurement time, however fast its thread was: two runs, the same bits.
+TEST(BundleInGraph, TheSameBitsTwice) {
+  const Drive drive{MadeUpRoom(kKeyframes, 300, 0.01, 0.004, 2), 30};
+  GraphNodes nodes[2];
+  for (GraphNodes& result : nodes) {
+    PoseGraph graph;
+    graph.set_robot(robot(drive.room, true));
+    graph.set_camera(drive.room.question.camera);
+    for (std::size_t k = 0; k < kKeyframes; ++k) {
+      graph.add_node(drive.keyframe(k));
+      if (k == 36) graph.add_loop(drive.loop(0, 36));
+      if (k == 39) graph.add_loop(drive.loop(2, 38));
+    }
+    result = graph.nodes();
+    graph.finish();
+  }
+  for (const auto& [id, node] : nodes[0])
+    EXPECT_EQ(node.T_map_base.matrix(), nodes[1].at(id).T_map_base.matrix());
+}
+
+// The map is levelled while the thread still works on the map as it was.
+TEST(BundleInGraph, LevelledMeanwhileTheMapStaysLevel) {
+  const Drive drive{MadeUpRoom(kKeyframes, 300, 0.01, 0.004, 3), 30};
+  PoseGraph graph;
+  graph.set_robot(robot(drive.room, false));
+  graph.set_camera(drive.room.question.camera);
+  for (std::size_t k = 0; k < kKeyframes; ++k) graph.add_node(drive.keyframe(k));
+  graph.add_loop(drive.loop(1, 37));  // asks for it
+  std::string why;
+  ASSERT_TRUE(graph.level_map(MadeUpRoom::id(0), from_xyz_rpy(0, 0, 1.3, 0.4, 0, 0), &why)) << why;
+  graph.finish();
+  EXPECT_GE(graph.counts().bundles, 1) << graph.last_bundle().reason;
+  const SE3& first = graph.nodes().at(MadeUpRoom::id(0)).T_map_base;
+  EXPECT_NEAR(first.translation().z(), 1.3, 1e-9);
+  EXPECT_NEAR(first.linear()(2, 1), std::sin(0.4), 1e-9);
+}
+
+// A loop that comes while the thread works is not forgotten by what it answers.
+TEST(BundleInGraph, LoopsSinceThenStillHold) {
+  const Drive drive{MadeUpRoom(kKeyframes, 500, 0.01, 0.004, 4), 30};
+  PoseGraph graph;
+  graph.set_robot(robot(drive.room, true));
+  graph.set_camera(drive.room.question.camera);
+  for (std::size_t k = 0; k < 37; ++k) graph.add_node(drive.keyframe(k));
+  graph.add_loop(drive.loop(0, 36));
+  for (std::size_t k = 37; k < kKeyframes; ++k) {
+    graph.add_node(drive.keyframe(k));
+    graph.add_loop(drive.loop(k - 36, k));
+  }
+  NodeInput later = drive.keyframe(kKeyframes - 1);  // time goes on: the answer is taken over
+  later.id.id += 1;
+  later.utime_us += 20'000'000;
+  later.previous_id = static_cast<std::int64_t>(kKeyframes);
+  later.T_previous_base = SE3::Identity();
+  later.seen.clear();
+  graph.add_node(later);
+  EXPECT_GE(graph.counts().bundles, 1) << graph.last_bundle().reason;
+  for (const GraphEdge& edge : graph.edges())
+    if (edge.kind == EdgeKind::kLoop) {
+      EXPECT_LT(edge_error({}, true, graph.nodes(), edge), 16.8);
+    }
+}
+
+}  // namespace
+}  // namespace fusion_slam
