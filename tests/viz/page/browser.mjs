@@ -2,7 +2,7 @@
 import { spawn } from "node:child_process";
 import { closeSync, mkdirSync, openSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 
 const FLAGS = [
   "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
@@ -56,7 +56,7 @@ export async function until(what, ask, timeoutMs = 180_000) {
 }
 
 export async function launch(modules) {
-  const { chromium } = createRequire(join(modules, "package.json"))("playwright-core");
+  const { chromium } = createRequire(resolve(modules, "package.json"))("playwright-core");
   return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });
 }
 
