@@ -1,0 +1,90 @@
+"""What every measurement shares: the programs, the machine, the results and their tables."""
+
+import datetime
+import json
+import os
+import pathlib
+import platform
+import statistics
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+
+def machine():
+    """Names what a figure depends on: commit, processor, load."""
+    commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True)
+    dirty = subprocess.run(["git", "-C", ROOT, "status", "--porcelain", "-uno"], capture_output=True, text=True)
+    cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "?")
+    return {
+        "commit": commit.stdout.strip() + ("+changes" if dirty.stdout.strip() else ""),
+        "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
+        "cpu": cpu,
+        "cores": os.cpu_count(),
+        "load": round(os.getloadavg()[0], 1),
+        "system": platform.platform(),
+    }
+
+
+def median(values):
+    return statistics.median(values) if values else float("nan")
+
+
+def spread(values, digits=3):
+    """Median, and least to most when there are several."""
+    if not values:
+        return "-"
+    text = f"{median(values):.{digits}f}"
+    return text if len(values) == 1 else f"{text} ({min(values):.{digits}f} - {max(values):.{digits}f}, n {len(values)})"
+
+
+class Bench:
+    """Runs programs of one build and collects tables; a failed command is a result, too."""
+
+    def __init__(self, build, out):
+        self.bin = pathlib.Path(build).resolve() / "bin"
+        self.out = pathlib.Path(out).resolve()
+        self.out.mkdir(parents=True, exist_ok=True)
+        self.tables = []
+        self.failures = []
+        if not self.bin.is_dir():
+            sys.exit(f"{self.bin}: not there; build with tests first (./fusion-slam test --quick)")
+
+    def call(self, program, *arguments, timeout_s=3600):
+        """Standard output of a program; None, and the failure noted, when it fails."""
+        command = [str(self.bin / program), *map(str, arguments)]
+        started = time.monotonic()
+        print(f"  {program} {' '.join(map(str, arguments))}", file=sys.stderr, flush=True)
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, cwd=ROOT)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            self.failures.append({"command": command, "why": str(error)})
+            return None
+        print(f"    {time.monotonic() - started:.1f} s", file=sys.stderr, flush=True)
+        if done.returncode == 0:
+            return done.stdout + done.stderr
+        self.failures.append({"command": command, "why": f"exit code {done.returncode}: {done.stderr[-2000:]}"})
+        return None
+
+    def table(self, title, command, head, rows, note=""):
+        self.tables.append({"title": title, "command": command, "head": head, "rows": rows, "note": note})
+
+    def markdown(self):
+        about = machine()
+        lines = [
+            f"Commit {about['commit']}, {about['date']}, {about['cpu']}, {about['cores']} cores, load {about['load']} at the end.",
+            "Median (least - most, n runs) where there were several.", ""]
+        for t in self.tables:
+            lines += [f"### {t['title']}", f"`{t['command']}`" + (f". {t['note']}" if t["note"] else ""), "",
+                      "| " + " | ".join(t["head"]) + " |", "|" + "---|" * len(t["head"])]
+            lines += ["| " + " | ".join(map(str, row)) + " |" for row in t["rows"]]
+            lines.append("")
+        lines += [f"Failed: `{' '.join(map(str, f['command']))}`: {f['why']}" for f in self.failures]
+        return "\n".join(lines).rstrip() + "\n"
+
+    def write(self):
+        results = {"machine": machine(), "tables": self.tables, "failures": self.failures}
+        (self.out / "results.json").write_text(json.dumps(results, indent=2) + "\n")
+        (self.out / "results.md").write_text(self.markdown())

@@ -1,0 +1,116 @@
+"""Whole runs: all services as processes over UDP multicast."""
+
+import json
+
+from harness.bench import median, spread
+
+# Before the runs: what counts as a success (issue 11, the paper's Table 5).
+MOST_APE_M = 0.10
+LEAST_F1 = 0.85
+SENSORS = {"fused": [], "camera alone": ["--without", "lidar,odometry"], "LiDAR alone": ["--without", "camera"]}
+# Yu et al. 2025, Table 5: their own method, ORB-SLAM2, Cartographer; average time, successful rate.
+PAPER = {"fused": "315 s, 94 %", "camera alone": "334 s, 78 %", "LiDAR alone": "269 s, 86 %"}
+
+
+def simulated(bench, world, seed, seconds, camera_hz):
+    """A recording and its truth; None when it could not be made."""
+    name = f"{world}_{seed}_{seconds}s"
+    log, truth = bench.out / f"{name}.lcm", bench.out / f"{name}_truth"
+    if not log.exists() and bench.call("simulate", f"config/worlds/{world}.yaml", "--seed", seed, "--seconds", seconds,
+                                       "--camera-hz", camera_hz, "--out", log, "--truth", truth) is None:
+        return None
+    return name, log, truth
+
+
+def run(bench, name, log, *options):
+    """metrics.json of one run; None when it did not come to its end."""
+    out = bench.out / name
+    if bench.call("run", log, "--out", out, "--no-session", *options) is None:
+        return None
+    return json.loads((out / "metrics.json").read_text())
+
+
+def map_score(bench, name, truth, grid="map"):
+    out = bench.out / name
+    score = bench.out / f"{name}_{grid}_score.json"
+    if bench.call("eval", "map", truth / "map.yaml", out / f"{grid}.yaml", "--align", out / "groundtruth.tum",
+                  out / "trajectory.tum", "--classes", truth / "classes.pgm", "--json", score) is None:
+        return None
+    return json.loads(score.read_text())
+
+
+def pace(bench, seconds, camera_hz):
+    """Speed and losses of the whole system on the office."""
+    made = simulated(bench, "office", 1, seconds, camera_hz)
+    if made is None:
+        return
+    name, log, truth = made
+    rows = []
+    for mode in ("lockstep", "throughput"):
+        m = run(bench, f"{name}_{mode}", log, "--mode", mode)
+        if m is None:
+            rows.append((mode, "failed") + ("-",) * 6)
+            continue
+        f1 = map_score(bench, f"{name}_{mode}", truth)
+        memory = sum(p["peak_rss_bytes"] for p in m["processes"].values()) / 1e6
+        processor = sum(p["cpu_s"] for p in m["processes"].values())
+        rows.append((mode, f"{m['real_time_factor']:.2f}", f"{m.get('ape_rmse_m', float('nan')):.4f}",
+                     f"{m['coverage_percent']:.1f}", f"{f1['f1']:.3f}" if f1 else "-",
+                     f"{m['dropped_total']}, {m['lost_total']}", f"{processor:.0f}", f"{memory:.0f}"))
+    bench.table(f"Office, {seconds} s, camera {camera_hz} Hz, all services", "run LOG --mode MODE",
+                ["mode", "x real time", "APE RMSE, m", "coverage, %", "fused F1", "dropped, lost", "processor, s", "memory, MB"], rows)
+
+
+def success(bench, worlds, seeds, seconds, camera_hz):
+    """The paper's Table 5: building time and success rate of each sensor and both."""
+    rows = []
+    for sensors, options in SENSORS.items():
+        apes, f1s, times, good, runs = [], [], [], 0, 0
+        for world in worlds:
+            for seed in range(1, seeds + 1):
+                made = simulated(bench, world, seed, seconds, camera_hz)
+                if made is None:
+                    continue
+                runs += 1
+                name = f"{made[0]}_{sensors.replace(' ', '_')}"
+                m = run(bench, name, made[1], *options)
+                score = map_score(bench, name, made[2]) if m else None
+                if m is None or score is None or "ape_rmse_m" not in m:
+                    continue
+                apes.append(m["ape_rmse_m"])
+                f1s.append(score["f1"])
+                times.append(m["wall_s"])
+                good += m["ape_rmse_m"] < MOST_APE_M and score["f1"] > LEAST_F1
+        rows.append((sensors, f"{good} of {runs}", spread(apes, 4), spread(f1s), f"{median(times):.0f}",
+                     PAPER[sensors]))
+    bench.table(f"Table 5: {', '.join(worlds)}, {seconds} s, {seeds} seeds each", "run LOG [--without SENSORS]", [
+        "sensors", "successes", "APE RMSE, m", "occupied F1", "building time, s", "paper"], rows,
+        f"Success: the run completes, APE < {MOST_APE_M} m, occupied F1 > {LEAST_F1}")
+
+
+def recordings(bench, shared, repeats):
+    """Real recordings, where they are."""
+    lidar, rgbd = shared / "data/lidar", shared / "data/rgbd"
+    sources = {
+        "7scenes-redkitchen": ["7scenes", rgbd / "7scenes-redkitchen/data"],
+        "mit-csail": ["carmen", lidar / "mit-csail-clf/mit-csail.clf", "--ground-truth",
+                      lidar / "mit-csail-clf/mit-csail_reference_gmapping_406.tum"],
+        "fr079": ["carmen", lidar / "fr079/freiburg-079-corrected.log.gz"],
+        "maebot": ["rplidar-lcm", lidar / "lcm-maebot-empty/empty_environment.log"],
+    }
+    rows = []
+    for name, (form, source, *more) in sources.items():
+        if not source.exists():
+            rows.append((name, f"skipped: recording {source} not found") + ("-",) * 5)
+            continue
+        log = bench.out / f"{name}.lcm"
+        if bench.call("import", form, source, log, *more) is None:
+            continue
+        options = ["--relations", lidar / "fr079/fr079.relations", "--time-offset", 1211.36] if name == "fr079" else []
+        found = [m for k in range(repeats) if (m := run(bench, f"{name}_{k}", log, *options))]
+        of = lambda key: [m[key] for m in found if key in m]
+        rows.append((name, f"{len(found)} of {repeats}", spread(of("ape_rmse_m"), 4), spread(of("rpe_rmse_m"), 4),
+                     spread(of("relations_translation_mean_m"), 4), spread(of("coverage_percent"), 1),
+                     spread(of("real_time_factor"), 1)))
+    bench.table("Real recordings", "import ...; run LOG", [
+        "recording", "runs", "APE RMSE, m", "RPE RMSE, m", "relations, m", "coverage, %", "x real time"], rows)
