@@ -88,6 +88,11 @@ CameraSetup setup_for(const OpenniDevice& device, const CameraDriverConfig& conf
 struct CameraDriver::Watch {
   explicit Watch(double period_s, Us now_us)
       : pairer(period_s), begin_us(now_us), colour_us(now_us), depth_us(now_us), pair_us(now_us) {}
+  // Patience counts from the first frame, which may be long in coming.
+  void begin(Us now_us) {
+    if (!any) begin_us = colour_us = depth_us = now_us;
+    any = true;
+  }
   FramePairer pairer;
   Us begin_us, colour_us, depth_us, pair_us;  // when the last one came
   bool any = false;                           // frames came at all
@@ -146,7 +151,7 @@ void CameraDriver::stream(const std::atomic<bool>& stop) {
     if (frame) take(std::move(*frame), now_us, &watch);
     if (uvc_) {
       if (auto colour = uvc_->take()) {
-        watch.any = true;
+        watch.begin(now_us);
         watch.colour_us = now_us;
         emit(watch.pairer.add_colour(std::move(*colour)), now_us, &watch);
       }
@@ -157,7 +162,7 @@ void CameraDriver::stream(const std::atomic<bool>& stop) {
 }
 
 void CameraDriver::take(DeviceFrame frame, Us now_us, Watch* watch) {
-  watch->any = true;
+  watch->begin(now_us);
   if (frame.image.empty()) {
     damaged(frame.colour, frame.why, now_us, watch);
     return;

@@ -35,8 +35,10 @@ Eigen::Vector3d residual(const Window& w, const PlanarPath& odometry, const Vect
   const SE2 A = odometry.at(w.begin_us - 1e6 * p(5)).inverse() * odometry.at(w.end_us - 1e6 * p(5));
   const SE2& B = w.T_begin_end;
   const Eigen::Vector2d x(p(0), p(1));
-  const Eigen::Vector2d way = (1.0 + p(3)) * Eigen::Vector2d(A.x, A.y);
-  // The scans know the turn better than the wheels do.
+  // The scans know the turn better than the wheels do: what the wheels' heading gathered in error
+  // (unequal wheels) bent their way by half of it.
+  const Eigen::Rotation2Dd unbend(0.5 * wrap_angle(B.yaw - A.yaw));
+  const Eigen::Vector2d way = (1.0 + p(3)) * (unbend * Eigen::Vector2d(A.x, A.y));
   const Eigen::Vector2d left = way + Eigen::Rotation2Dd(B.yaw) * x;
   const Eigen::Vector2d right = Eigen::Rotation2Dd(p(2)) * Eigen::Vector2d(B.x, B.y) + x;
   const Eigen::Vector2d e = (left - right) / kSigma_m;

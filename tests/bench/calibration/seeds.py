@@ -31,13 +31,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--programs", default="build/release/bin")
     parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--world", default="config/worlds/office.yaml")
     parser.add_argument("--out", default="/tmp/calibration")
     a = parser.parse_args()
     os.makedirs(a.out, exist_ok=True)
     table = {}
-    for seed in range(1, a.seeds + 1):
+    for seed in range(a.first, a.first + a.seeds):
         rng = random.Random(seed)
         off = lambda v, most: v + rng.uniform(-most, most)
         lidar = [off(0, .05), off(0, .05), 0.20, 0, 0, off(0, 3)]
@@ -45,7 +46,7 @@ def main():
         late_ms = off(0, 50)
         log = os.path.join(a.out, "seed%d.lcm" % seed)
         numbers = lambda values: ",".join("%.5f" % v for v in values)
-        subprocess.run([a.programs + "/simulate", a.world, "--seed", str(seed), "--seconds", str(a.seconds), "--camera-hz", "6",
+        subprocess.run([a.programs + "/simulate", a.world, "--seed", str(seed), "--seconds", str(a.seconds), "--camera-hz", "4",
                         "--random-route", "--lidar-at=" + numbers(lidar), "--camera-at=" + numbers(camera),
                         "--camera-late-ms", "%.3f" % late_ms, "--out", log], check=True, capture_output=True)
         report = subprocess.run([a.programs + "/calibrate", "extrinsics", log], check=True, capture_output=True, text=True).stdout
