@@ -149,6 +149,7 @@ class BackEnd {
     LoopReportOptions all;
     all.all = true;
     const std::string text = report_.text(all);
+    say_end_to_start();
     say_nees(graph_.nodes(), graph_.edges(), true_poses_, robot_.planar);
     for (const EdgeKind kind : {EdgeKind::kVisual, EdgeKind::kLidar})
       say_chain_nees(graph_.nodes(), graph_.edges(), true_poses_, robot_.planar, kind);
@@ -183,6 +184,23 @@ class BackEnd {
     Message message;
     message.decode(event.data.data(), 0, static_cast<int>(event.data.size()));
     return message;
+  }
+
+  // Where the last node is as seen from the first, against the truth: what is left after closure.
+  void say_end_to_start() const {
+    std::map<std::int64_t, SE3> by_time;
+    for (const auto& [id, node] : graph_.nodes()) by_time[node.utime_us] = node.T_map_base;
+    while (!by_time.empty() && !true_pose(true_poses_, by_time.rbegin()->first))
+      by_time.erase(std::prev(by_time.end()));
+    while (!by_time.empty() && !true_pose(true_poses_, by_time.begin()->first))
+      by_time.erase(by_time.begin());
+    if (by_time.empty()) return;
+    const SE3 seen = by_time.begin()->second.inverse() * by_time.rbegin()->second;
+    const SE3 right = true_pose(true_poses_, by_time.begin()->first)->inverse() *
+                      *true_pose(true_poses_, by_time.rbegin()->first);
+    std::printf("end against start: %.4f m, %.2f degrees off\n",
+                (seen.translation() - right.translation()).norm(),
+                log_so3(right.linear().transpose() * seen.linear()).norm() * 180.0 / M_PI);
   }
 
   // As the process does it: a scan waits for the odometry of its own time.

@@ -182,6 +182,32 @@ TEST(PoseGraph, ALoopClosesTheCircle) {
   EXPECT_EQ(graph.counts().loops_outvoted, 0);
 }
 
+// POSE's covariance is that of the map: it grows along the way, along the edges, and a loop says
+// that the robot is near its start again.
+TEST(PoseGraph, CovarianceGrowsAlongTheWayAndALoopEndsIt) {
+  PoseGraph graph;
+  graph.set_robot(robot(true, false));
+  Tracker camera{NodeKind::kKeyframe, kFrameUs, 10};
+  run(&graph, &camera, nullptr, 20'000'000);
+  const auto poses = graph.take_poses();
+  const auto sigma2 = [](const PoseOutput& pose) {
+    return pose.covariance.topLeftCorner<2, 2>().trace();
+  };
+  double expected = 0.0;  // translation alone, by hand: a lower bound
+  for (const GraphEdge& edge : graph.edges())
+    expected += effective_covariance({}, edge, true).topLeftCorner<2, 2>().trace();
+  EXPECT_LT(sigma2(poses.front()), 1e-4);
+  EXPECT_GT(sigma2(poses[poses.size() / 2]), sigma2(poses[poses.size() / 4]));
+  EXPECT_GT(sigma2(poses.back()), expected);
+  const NodeId first{NodeKind::kKeyframe, 1};
+  const NodeId last{NodeKind::kKeyframe, camera.nodes};
+  graph.add_loop(
+      {first, last, truth(graph.nodes().at(last).utime_us), Matrix6d::Identity() * 1e-6, {}});
+  graph.finish();
+  camera.step(&graph);
+  EXPECT_LT(sigma2(graph.take_poses().back()), 0.1 * sigma2(poses.back()));
+}
+
 // Three true loops and one that a hand put in: it is switched off, said so, and the map is as if it
 // had never been.
 TEST(PoseGraph, AWrongLoopIsSwitchedOffAndReported) {
