@@ -35,6 +35,7 @@ std::string describe(const MapSummary& summary);
 int save_map(const MapOptions& options);
 int show_map(const MapOptions& options);
 int export_map(const MapOptions& options);
+int merge_two_maps(const MapOptions& options);
 // Checks a map whole, then publishes it until Ctrl-C: everybody sees it at once, and late listeners
 // within 2 s.
 int load_map(const MapOptions& options);

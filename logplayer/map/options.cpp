@@ -40,6 +40,11 @@ std::optional<MapOptions> parse_map_options(int argc, char** argv, int* exit_cod
       ->check(CLI::IsMember({"best", "fused", "lidar", "visual"}))
       ->capture_default_str();
   exporter->add_option("OUT", options.out, "the file to write")->required();
+  auto* merge =
+      app.add_subcommand("merge", "join two maps of one place, or say that no overlap is proven");
+  merge->add_option("A", options.map, "the first map: the result is in its frame")->required();
+  merge->add_option("B", options.other, "the second map")->required();
+  merge->add_option("OUT", options.out, "the joined map; may be A or B")->required();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -60,7 +65,11 @@ int save_map(const MapOptions& options) {
 
 int run_map_command(const MapOptions& options) {
   static const std::map<std::string, std::function<int(const MapOptions&)>> kCommands{
-      {"save", save_map}, {"load", load_map}, {"info", show_map}, {"export", export_map}};
+      {"save", save_map},
+      {"load", load_map},
+      {"info", show_map},
+      {"export", export_map},
+      {"merge", merge_two_maps}};
   return kCommands.at(options.verb)(options);
 }
 

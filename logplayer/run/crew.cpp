@@ -31,11 +31,12 @@ Crew::Crew(const RunOptions& options, const std::string& url) {
                                                   "--lcm-url=" + complete_url(url),
                                                   (options.out / "session.lcmlog").string()},
                          log_file("lcm-logger"));
-  for (const std::string& name : service_names())
-    services_.emplace_back(name,
-                           std::vector<std::string>{(options.programs / name).string(), "--lcm-url",
-                                                    url, "--mode", to_string(options.mode)},
-                           log_file(name), kServiceNiceness);
+  for (const std::string& name : service_names(options)) {
+    std::vector<std::string> command{(options.programs / name).string(), "--lcm-url", url, "--mode",
+                                     to_string(options.mode)};
+    if (name == "localizer") command.insert(command.end(), {"--map", options.map.string()});
+    services_.emplace_back(name, command, log_file(name), kServiceNiceness);
+  }
 }
 
 void Crew::check() {

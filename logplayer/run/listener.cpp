@@ -32,6 +32,8 @@ Listener::Listener(std::shared_ptr<Transport> transport) : bus_(options(), std::
   listen(&SessionCollector::on_lidar_pose, "LIDAR_POSE", pose_estimate_t{});
   listen(&SessionCollector::on_pose, "POSE", pose_estimate_t{});
   listen(&SessionCollector::on_graph, "GRAPH", graph_t{});
+  bus_.subscribe<pose_estimate_t>("LOCALIZATION", Policy::kKeepAll,
+                                  [this](const pose_estimate_t& m) { on_localization(m); });
   for (const char* channel : {"GRID_FUSED", "GRID_LIDAR", "GRID_VISUAL", "OCTOMAP", "CLOUD"})
     tiles_.push_back(std::make_unique<TileReceiver>(bus_, channel, [this, channel](const Tile& t) {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -65,6 +67,21 @@ bool Listener::has_all(const std::map<std::string, std::int64_t>& counts) const 
     if (sent != counts.end() && processed < sent->second) return false;
   }
   return true;
+}
+
+void Listener::on_localization(const pose_estimate_t& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  LocalizationSummary& summary = localization_;
+  summary.state = message.reason;
+  const bool localized = message.state == pose_estimate_t::OK;
+  if (localized && summary.localized_utime_us == 0) summary.localized_utime_us = message.utime;
+  summary.times_lost += localized_ && !localized ? 1 : 0;
+  localized_ = localized;
+}
+
+LocalizationSummary Listener::localization() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return localization_;
 }
 
 SessionResult Listener::write(const std::filesystem::path& out) {

@@ -1,7 +1,5 @@
 #include "logplayer/run/options.hpp"
 
-#include <map>
-
 #include <CLI/CLI.hpp>
 
 namespace fusion_slam {
@@ -12,6 +10,30 @@ const std::vector<std::string>& service_names() {
   return kNames;
 }
 
+std::vector<std::string> service_names(const RunOptions& options) {
+  if (!options.map.empty() && options.map_use == MapUse::kLocalize)
+    return {"visual_odometry", "lidar_mapper", "localizer"};
+  return service_names();
+}
+
+namespace {
+
+// One word for the pace, one for the map: both are called --mode because people ask for "localize
+// mode" as for "throughput mode".
+void take_modes(const std::vector<std::string>& words, RunOptions* options) {
+  for (const std::string& word : words) {
+    if (word == "lockstep" || word == "throughput") {
+      options->mode = word == "lockstep" ? Mode::kLockstep : Mode::kThroughput;
+      continue;
+    }
+    if (options->map.empty())
+      throw CLI::ValidationError("--mode " + word, "needs --map DIR: the saved map");
+    options->map_use = word == "continue" ? MapUse::kContinue : MapUse::kLocalize;
+  }
+}
+
+}  // namespace
+
 std::optional<RunOptions> parse_run_options(int argc, char** argv, int* exit_code) {
   RunOptions options;
   options.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
@@ -20,12 +42,14 @@ std::optional<RunOptions> parse_run_options(int argc, char** argv, int* exit_cod
       ->required()
       ->check(CLI::ExistingFile);
   app.add_option("--out", options.out, "folder for the results, made when missing")->required();
-  const std::map<std::string, Mode> modes{{"lockstep", Mode::kLockstep},
-                                          {"throughput", Mode::kThroughput}};
-  app.add_option("--mode", options.mode,
-                 "lockstep: two runs give identical bytes; throughput: faster, not identical")
-      ->transform(CLI::CheckedTransformer(modes))
-      ->default_str("lockstep");
+  std::vector<std::string> words;
+  app.add_option("--mode", words,
+                 "the pace, lockstep: two runs give identical bytes (default), or throughput: "
+                 "faster, not identical; with --map: localize (default) or continue. May be "
+                 "repeated")
+      ->check(CLI::IsMember({"lockstep", "throughput", "localize", "continue"}));
+  app.add_option("--map", options.map,
+                 "a saved map (`fusion-slam map save`) to localise in, or to continue");
   app.add_option("--lcm-url", options.lcm_url,
                  "use this LCM network, where others can listen, instead of a private one");
   app.add_option("--max-events", options.most_events, "stop after this many sensor events")
@@ -42,6 +66,7 @@ std::optional<RunOptions> parse_run_options(int argc, char** argv, int* exit_cod
   app.add_flag("!--no-session", options.keep_session, "don't record session.lcmlog");
   try {
     app.parse(argc, argv);
+    take_modes(words, &options);
   } catch (const CLI::ParseError& error) {
     *exit_code = app.exit(error) == 0 ? 0 : 2;
     return std::nullopt;

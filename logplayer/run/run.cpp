@@ -14,6 +14,7 @@
 #include "logplayer/run/interrupt.hpp"
 #include "logplayer/run/listener.hpp"
 #include "logplayer/run/metrics.hpp"
+#include "logplayer/run/on_map.hpp"
 #include "logplayer/run/playback.hpp"
 
 namespace fusion_slam {
@@ -32,6 +33,7 @@ class Interrupted : public std::runtime_error {
 struct Outcome {
   PlaybackResult playback;
   SessionResult session;
+  LocalizationSummary localization;  // of a run on a saved map
   std::map<std::string, status_t> peers;
   std::map<std::string, std::int64_t> counts;
   std::string problem;  // empty: all went well
@@ -68,7 +70,7 @@ Outcome replay(const RunOptions& options, const std::string& url) {
   Crew crew(options, url);
   ConductorOptions conductor_options;
   conductor_options.mode = options.mode;
-  conductor_options.processes = service_names();
+  conductor_options.processes = service_names(options);
   int tolerated = 0;
   Conductor conductor(bus, conductor_options, [&] {
     crew.check();
@@ -98,6 +100,7 @@ Outcome replay(const RunOptions& options, const std::string& url) {
   outcome.counts = conductor.counts();
   crew.stop();
   outcome.session = listener.write(options.out);
+  outcome.localization = listener.localization();
   return outcome;
 }
 
@@ -117,6 +120,9 @@ void write_metrics(const RunOptions& options, const Outcome& outcome) {
   json["map_source"] = outcome.session.map_source;
   json["free_area_m2"] = outcome.session.free_area_m2;
   json["occupied_area_m2"] = outcome.session.occupied_area_m2;
+  if (!options.map.empty())
+    json["map"] =
+        map_metrics(options, outcome.localization, outcome.playback.first_sensor_utime_us);
   json["duration_s"] = duration_s;
   json["wall_s"] = outcome.wall_s;
   json["real_time_factor"] = outcome.wall_s > 0.0 ? duration_s / outcome.wall_s : 0.0;
@@ -170,7 +176,7 @@ void tell(const RunOptions& options, const Outcome& outcome) {
        {"coverage_percent", "ape_rmse_m", "rpe_rmse_m", "relations_used", "relations_total",
         "relations_translation_mean_m", "relations_rotation_mean_deg", "evaluation_problem",
         "duration_s", "wall_s", "real_time_factor", "dropped_total", "lost_total",
-        "session_missing_total"})
+        "session_missing_total", "map"})
     if (json.contains(key)) std::cout << "  " << key << ": " << json[key] << "\n";
   if (outcome.playback.undecodable_skipped > 0)
     std::cout << "  " << outcome.playback.undecodable_skipped
@@ -187,13 +193,16 @@ void tell(const RunOptions& options, const Outcome& outcome) {
 int run_log(const RunOptions& options) {
   watch_interrupts();
   const LogReader is_a_log(options.log);  // throws, before anything is started, when it is not
+  check_map(options);
   std::filesystem::create_directories(options.out);
   remove_results(options);
   PrivateNetwork network{options.lcm_url, "the network " + options.lcm_url};
   if (options.lcm_url.empty()) network = enter_private_network();
   std::cerr << "run: " << options.log.string() << " in " << to_string(options.mode) << " mode, on "
             << network.description << "\n";
-  const Outcome outcome = replay(options, network.url);
+  Outcome outcome = replay(options, network.url);
+  if (!options.map.empty() && options.map_use == MapUse::kContinue && outcome.problem.empty())
+    outcome.problem = continue_map(options);
   write_metrics(options, outcome);
   write_page(options);
   tell(options, outcome);
