@@ -31,6 +31,10 @@ struct LocalizerConfig {
   // Between full-map searches.
   double search_every_m = 0.15;
   double search_every_rad = 0.2;
+  // The longer nothing is found, the rarer the search: after so many, twice the way in between,
+  // after twice as many three times, at most ten times. Large maps cost most where they don't
+  // match.
+  int patient_searches = 12;
 
   // Two answers are one place (odometry drifts little in between).
   double same_m = 0.35;
@@ -40,9 +44,10 @@ struct LocalizerConfig {
   // Camera and LiDAR: the place that the camera knows must be among the LiDAR's best, to this share
   // of the best score of the whole map.
   double among_best = 0.95;
+  int views_weighed = 3;  // the latest answers of the camera, against each of the LiDAR's
   // LiDAR alone: no other place of the map may score as much as this share, more of the points must
   // agree, and searches from several places on the way must give the same answer.
-  double rival_score = 0.93;
+  double rival_score = 0.9;
   double alone_agreement = 0.8;
   int alone_answers = 3;
   double alone_way_m = 0.4;    // between the first and the last of them, or

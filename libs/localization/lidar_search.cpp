@@ -73,9 +73,9 @@ LidarFix find_in_map(const MapGrid& map, const Points& points_base, double rival
          2.0 * angular_step(coarse, map.coarse.resolution_m()), config, &fix);
   fix.score = std::max(fix.score, best->score);
   judge(config, &fix);
-  if (!fix.found) return fix;
+  if (!fix.found || rival_share >= 1.0) return fix;
   if (const auto rival = find_rival(map.coarse, coarse, centre, window, best->T_grid_base,
-                                    {config.apart_m, config.apart_rad}, rival_share * fix.score))
+                                    {config.apart_m, config.apart_rad}, rival_share * best->score))
     fix.rival_score = rival->score;
   return fix;
 }

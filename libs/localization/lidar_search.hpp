@@ -21,7 +21,7 @@ struct LidarFix {
 
 // The best place of the map, by branch and bound over every position and heading (Hess et al. 2016,
 // V; Olson 2009), refined on the map's own cells; and the best other place that scores at least
-// `rival_share` as much.
+// `rival_share` as much; 1: nobody asks.
 LidarFix find_in_map(const MapGrid& map, const Points& points_base, double rival_share,
                      const MapSearchConfig& config);
 

@@ -54,12 +54,9 @@ MapGrid::MapGrid(const TiledGrid& grid, double search_cell_m)
   min_x = x0 * cell, min_y = y0 * cell, max_x = (x1 + 1) * cell, max_y = (y1 + 1) * cell;
 }
 
-LocalizationMap::LocalizationMap(const RobotModel& robot, std::optional<CameraModel> camera,
+LocalizationMap::LocalizationMap(const RobotModel& robot, const std::optional<CameraModel>& camera,
                                  const LocalizerConfig& config)
-    : robot_(robot),
-      camera_(std::move(camera)),
-      config_(config),
-      index_(all_at_once(config.appearance)) {}
+    : robot_(robot), camera_(camera), config_(config), index_(all_at_once(config.appearance)) {}
 
 void LocalizationMap::set_grid(const TiledGrid& grid) {
   grid_.reset();

@@ -35,7 +35,7 @@ struct MapView {
 
 class LocalizationMap {
  public:
-  LocalizationMap(const RobotModel& robot, std::optional<CameraModel> camera,
+  LocalizationMap(const RobotModel& robot, const std::optional<CameraModel>& camera,
                   const LocalizerConfig& config = {});
 
   void set_grid(const TiledGrid& grid);  // the LiDAR's; nothing known in it: none

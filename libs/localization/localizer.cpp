@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 
 namespace fusion_slam {
@@ -16,6 +17,8 @@ std::string say(const char* format, Values... values) {
 
 constexpr double kPinned = 1e-6;  // variance of what a flat map can't see: z, roll, pitch
 constexpr std::int64_t kViewWaitUs = 1'000'000;
+constexpr double kHint_m = 1.0;  // what a finger on a map is good for
+constexpr double kHint_rad = 0.5;
 
 Matrix6d from_planar(const Eigen::Matrix3d& planar) {
   Matrix6d full = Matrix6d::Identity() * kPinned;
@@ -33,6 +36,36 @@ double turn_between(const SE3& a, const SE3& b) {
 
 Localizer::Localizer(const LocalizationMap& map)
     : map_(map), config_(map.config()), memory_(map.config()) {}
+
+void Localizer::set_sensors(bool lidar, bool camera) {
+  has_lidar_ = lidar;
+  has_camera_ = camera;
+}
+
+bool Localizer::hint(const SE2& T_map_base, std::string* why) {
+  const auto scan = nodes_.upper_bound({NodeKind::kLidar, INT64_MAX});
+  if (!by_lidar() || scan == nodes_.begin()) {
+    *why = "no scan has come yet to compare with the map";
+    return false;
+  }
+  const Node& now = std::prev(scan)->second;
+  SearchWindow window;
+  window.linear_m = kHint_m;
+  window.angular_rad = kHint_rad;
+  const LidarFix fix =
+      find_near(*map_.grid(), memory_.points_base(), T_map_base, window, config_.lidar);
+  if (!fix.found) {
+    *why = fix.reason;
+    return false;
+  }
+  Answer answer;
+  answer.T_map_odom = to_se3(fix.T_map_base) * now.T_odom_base.inverse();
+  answer.covariance = from_planar(fix.covariance);
+  answer.agreement = fix.agreement;
+  localize(answer, now,
+           say("a person said so, and %.0f %% of the LiDAR's points agree", 100 * fix.agreement));
+  return true;
+}
 
 void Localizer::add_lidar_pose(std::int64_t utime_us, const SE3& T_odom_base) {
   lidar_track_.add(utime_us, T_odom_base);
@@ -102,13 +135,16 @@ void Localizer::resolve_views() {
 
 bool Localizer::due_for_search(const LocalScan& scan) const {
   if (!searched_at_) return true;
+  const double rarer = std::min(10.0, 1.0 + std::floor(static_cast<double>(vain_searches_) /
+                                                       std::max(1, config_.patient_searches)));
   return (scan.T_odom_base.translation() - searched_at_->translation()).norm() >=
-             config_.search_every_m ||
-         turn_between(*searched_at_, scan.T_odom_base) >= config_.search_every_rad;
+             rarer * config_.search_every_m ||
+         turn_between(*searched_at_, scan.T_odom_base) >= rarer * config_.search_every_rad;
 }
 
 void Localizer::search_by_lidar(const LocalScan& scan) {
   ++searches_;
+  ++vain_searches_;
   searched_at_ = scan.T_odom_base;
   const double rival_share = by_camera() ? 1.0 : config_.rival_score;
   const LidarFix fix = find_in_map(*map_.grid(), memory_.points_base(), rival_share, config_.lidar);
@@ -146,9 +182,11 @@ void Localizer::search_by_camera(const LocalView& view, const SE3& T_odom_base) 
 void Localizer::weigh(const Node& now) {
   forget_old(now.utime_us);
   if (by_lidar() && by_camera()) {
-    for (auto view = camera_answers_.rbegin(); view != camera_answers_.rend(); ++view)
+    int weighed = 0;
+    for (auto view = camera_answers_.rbegin();
+         view != camera_answers_.rend() && weighed < config_.views_weighed; ++view, ++weighed)
       if (both_agree(*view, now)) return;
-    if (!lidar_answers_.empty())
+    if (weighed == 0 && !lidar_answers_.empty())
       candidate(lidar_answers_.back(), now, "the LiDAR has an idea, the camera knows no view here");
     return;
   }
@@ -331,6 +369,7 @@ void Localizer::forget(const std::string& why) {
   lidar_answers_.clear();
   camera_answers_.clear();
   searched_at_.reset();
+  vain_searches_ = 0;
   contradictions_ = 0;
 }
 

@@ -59,10 +59,19 @@ class Localizer {
   // The map must outlive this object.
   explicit Localizer(const LocalizationMap& map);
 
+  // What the running robot has, when that is less than the robot that made the map had: a sensor
+  // that never comes is not waited for, and the one that does follows its stricter rules.
+  void set_sensors(bool lidar, bool camera);
+
   void add_lidar_pose(std::int64_t utime_us, const SE3& T_odom_base);
   void lidar_lost();
   void add_scan(const LocalScan& scan);
   void add_view(const LocalView& view);
+
+  // A person says where the robot is, roughly (1 m, 30 degrees). False, with the reason, when what
+  // the LiDAR sees does not fit there; nothing changes then.
+  bool hint(const SE2& T_map_base, std::string* why);
+  void start_anew() { forget("asked to start anew"); }
 
   LocalizationState state() const { return state_; }
   // For people: what was found, or why nothing was.
@@ -98,8 +107,8 @@ class Localizer {
     bool unique = false;  // no other place of the map is about as good
   };
 
-  bool by_lidar() const { return map_.grid() != nullptr && map_.robot().has_lidar; }
-  bool by_camera() const { return !map_.views().empty(); }
+  bool by_lidar() const { return has_lidar_ && map_.grid() != nullptr; }
+  bool by_camera() const { return has_camera_ && !map_.views().empty(); }
   bool due_for_search(const LocalScan& scan) const;
   void search_by_lidar(const LocalScan& scan);
   void resolve_views();
@@ -119,6 +128,8 @@ class Localizer {
 
   const LocalizationMap& map_;
   LocalizerConfig config_;
+  bool has_lidar_ = true;
+  bool has_camera_ = true;
   LocalizationState state_ = LocalizationState::kUnknown;
   std::string reason_ = "nothing seen yet";
   std::optional<PlacedNode> here_;
@@ -128,6 +139,7 @@ class Localizer {
 
   OdometryTrack lidar_track_;
   ScanMemory memory_;
+  int vain_searches_ = 0;             // of the whole map, since the track began
   std::optional<SE3> searched_at_;    // T_odom_base of the last full-map search
   std::deque<LocalView> views_;       // that wait for the LiDAR's odometry
   std::deque<Answer> lidar_answers_;  // oldest first

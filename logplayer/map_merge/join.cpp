@@ -46,9 +46,11 @@ void feed(const LogEvent& event, Localizer* localizer) {
 
 }  // namespace
 
-Join find_join(const MapReader& first, const MapState& first_state, const MapReader& second) {
+Join find_join(const MapReader& first, const MapState& first_state, const MapReader& second,
+               const RobotModel& second_robot) {
   const LocalizationMap map = load_localization_map(first, first_state);
   Localizer localizer(map);
+  localizer.set_sensors(second_robot.has_lidar, second_robot.has_camera);
   std::vector<std::pair<std::int64_t, LogEvent>> events;
   second.for_each([&](const LogEvent& event) {
     if (event.channel != "LIDAR_POSE" && event.channel != "LIDAR_NODE" &&

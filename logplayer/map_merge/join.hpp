@@ -17,7 +17,8 @@ struct Join {
 };
 
 // Drives the second session's journal through the first one's map.
-Join find_join(const MapReader& first, const MapState& first_state, const MapReader& second);
+Join find_join(const MapReader& first, const MapState& first_state, const MapReader& second,
+               const RobotModel& second_robot);
 
 // A closure between the two sessions: `from` a node of the first, `to` one of the second.
 struct CrossLoop {

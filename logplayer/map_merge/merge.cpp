@@ -141,7 +141,7 @@ MergeReport merge_maps(const std::filesystem::path& first_directory,
   const MapState first_state = read_state(first), second_state = read_state(second);
   check_alike(first_state, second_state);
 
-  const Join join = find_join(first, first_state, second);
+  const Join join = find_join(first, first_state, second, second_state.robot);
   std::vector<CrossLoop> loops = cross_loops(join.fixes, first_state.graph.T_map_nodes());
   if (loops.size() < kFewestLoops)
     throw std::runtime_error("no overlap is proven between " + first_directory.string() + " and " +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "fusion_slam/graph_t.hpp"
 #include "libs/messages/convert.hpp"
@@ -69,6 +70,8 @@ LocalizerProcess::LocalizerProcess(Bus& bus, const std::filesystem::path& map_di
   bus.subscribe<pose_estimate_t>("VISUAL_POSE", Policy::kKeepAll, [this](const pose_estimate_t& m) {
     on_pose(NodeKind::kKeyframe, m);
   });
+  bus.subscribe<robot_model_t>("ROBOT_MODEL", Policy::kLatestOnly,
+                               [this](const robot_model_t& m) { on_robot_model(m); });
   bus.subscribe<camera_model_t>("CAMERA_MODEL", Policy::kLatestOnly,
                                 [this](const camera_model_t& m) { on_camera_model(m); });
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll,
@@ -136,6 +139,10 @@ void LocalizerProcess::publish_pose(const pose_estimate_t& message) {
   bus_.publish("POSE", pose);
 }
 
+void LocalizerProcess::on_robot_model(const robot_model_t& message) {
+  localizer_.set_sensors(message.has_lidar != 0, message.has_camera != 0);
+}
+
 void LocalizerProcess::on_camera_model(const camera_model_t& message) {
   if (camera_checked_ || !map_.camera()) return;
   camera_checked_ = true;
@@ -152,6 +159,16 @@ void LocalizerProcess::on_camera_model(const camera_model_t& message) {
 void LocalizerProcess::on_command(const command_t& message) {
   if (!message.target.empty() && message.target != "localizer") return;
   if (message.verb == "finish") publish_all_nodes();
+  if (message.verb == "reset") localizer_.start_anew();
+  if (message.verb == "localise") {  // argument: x y (m) yaw (rad) in the map
+    std::istringstream numbers(message.argument);
+    SE2 T_map_base;
+    std::string why = "expected x y yaw";
+    if (!(numbers >> T_map_base.x >> T_map_base.y >> T_map_base.yaw) ||
+        !localizer_.hint(T_map_base, &why))
+      bus_.report_error("COMMAND localise " + message.argument + ": " + why);
+  }
+  if (message.verb == "reset" || message.verb == "localise") publish_news(newest_us_);
 }
 
 void LocalizerProcess::publish_news(std::int64_t utime_us) {

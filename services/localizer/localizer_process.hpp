@@ -13,6 +13,7 @@
 #include "fusion_slam/keyframe_t.hpp"
 #include "fusion_slam/lidar_node_t.hpp"
 #include "fusion_slam/pose_estimate_t.hpp"
+#include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
 #include "libs/localization/localizer.hpp"
 #include "libs/map_directory/map_publisher.hpp"
@@ -33,6 +34,7 @@ class LocalizerProcess {
   void on_lidar_node(const lidar_node_t& message);
   void on_keyframe(const keyframe_t& message);
   void on_pose(NodeKind sensor, const pose_estimate_t& message);
+  void on_robot_model(const robot_model_t& message);
   void on_camera_model(const camera_model_t& message);
   void on_command(const command_t& message);
   void publish_news(std::int64_t utime_us);

@@ -109,6 +109,41 @@ TEST(Run, TwoLockstepRunsAreIdenticalAndNothingIsDropped) {
   }
 }
 
+std::string run_map(const std::vector<std::string>& arguments, const fs::path& log_file) {
+  std::vector<std::string> argv{kPrograms / "map"};
+  argv.insert(argv.end(), arguments.begin(), arguments.end());
+  Child map("map", argv, log_file);
+  return finish(map);
+}
+
+// A map is saved, the same drive is found in it, and a second session is joined to it.
+TEST(Run, MapLifeCycle) {
+  const fs::path out = folder("map_first"), map = folder("map_saved") / "map";
+  const fs::path map_log = folder("map_saved") / "map.log";
+  Child first = start_run(recording(), out);
+  ASSERT_EQ(finish(first), "exit code 0") << first.last_lines(30);
+  ASSERT_EQ(run_map({"save", out, map}, map_log), "exit code 0") << bytes_of(map_log);
+  const std::string journal = bytes_of(map / "journal.lcmlog");
+
+  const fs::path found = folder("map_localize");
+  Child localize = start_run(recording(), found, {"--map", map, "--mode", "localize"});
+  ASSERT_EQ(finish(localize), "exit code 0") << localize.last_lines(30);
+  const auto m = metrics(found);
+  EXPECT_TRUE(m["map"]["localized"]) << m["map"];
+  EXPECT_EQ(m["map"]["state"].get<std::string>().rfind("LOCALIZED", 0), 0U) << m["map"];
+  EXPECT_GE(m["coverage_percent"].get<double>(), 90.0);
+  EXPECT_LT(m["ape_rmse_m"].get<double>(), 0.10);
+  EXPECT_EQ(bytes_of(found / "map.pgm"), bytes_of(map / "map.pgm"));  // the saved map is shown
+
+  const fs::path more = folder("map_continue");
+  Child go_on = start_run(recording(), more, {"--map", map, "--mode", "continue"});
+  ASSERT_EQ(finish(go_on), "exit code 0") << go_on.last_lines(30);
+  EXPECT_EQ(run_map({"load", "--check", more / "map"}, map_log), "exit code 0")
+      << bytes_of(map_log);
+  EXPECT_NE(bytes_of(map_log).find("2 sessions"), std::string::npos);
+  EXPECT_EQ(bytes_of(map / "journal.lcmlog"), journal);  // only read
+}
+
 TEST(Run, ThroughputModeDropsNothing) {
   const fs::path out = folder("throughput");
   Child run = start_run(recording(), out, {"--mode", "throughput"});

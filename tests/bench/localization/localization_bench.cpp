@@ -136,6 +136,7 @@ int bench(const Options& options) {
     const std::int64_t start =
         first + static_cast<std::int64_t>(share * static_cast<double>(last - first - window_us));
     Localizer localizer(map);
+    localizer.set_sensors(!options.no_lidar, !options.no_camera);
     for (const LogEvent& event : session.events) {
       const std::int64_t utime = utime_of(event);
       if (utime < start) continue;
