@@ -1,6 +1,7 @@
 // The health of inputs and processes, with one sentence that says how things stand.
-import { bytes, count, find, make } from "../dom";
+import { bytes, count, find, make, setAttribute, setText } from "../dom";
 import type { DeputyItem, HealthItem, InputItem } from "../protocol";
+import { Rows, type Row } from "./rows";
 
 export type Order = (verb: "start" | "stop" | "restart", target: string) => void;
 
@@ -13,8 +14,10 @@ export class HealthPanel {
   private processList = make("ul", { class: "processes" });
   private deputyList = make("div", { class: "deputies" });
   private performance = make("p", { class: "caption" });
-  private open = new Set<string>();
   private changed = true;
+  private inputRows = new Rows<InputItem>(this.inputList, inputRow);
+  private processRows = new Rows<HealthItem>(this.processList, processRow);
+  private deputyRows = new Rows<DeputyItem>(this.deputyList, (name) => machine(name, this.order));
 
   constructor(private order: Order) {
     find("health").append(make("header", {}, make("h2", {}, "Health")), this.verdict, this.inputList, this.processList, this.deputyList, this.performance);
@@ -63,7 +66,7 @@ export class HealthPanel {
     if (!this.changed) return;
     this.changed = false;
     const problems = this.problems(replaying);
-    this.verdict.className = `verdict ${problems.length ? "bad" : "good"}`;
+    setAttribute(this.verdict, "class", `verdict ${problems.length ? "bad" : "good"}`);
     if (this.processes.size + this.inputs.size === 0) {
       this.verdict.className = "verdict";
       this.verdict.textContent = "No process has said anything yet.";
@@ -75,53 +78,93 @@ export class HealthPanel {
       const others = n === 1 ? "1 process well" : n > 1 ? `${n} processes well` : replaying ? "No process in this recording" : "No process but this viewer";
       this.verdict.textContent = this.inputs.size ? `${others}, ${inputs} on time.` : `${others}, no sensor heard.`;
     }
-    this.inputList.replaceChildren(...sorted(this.inputs).map((input) =>
-      make("li", { class: input.late ? "late" : "" },
-        make("b", {}, input.channel), make("span", {}, `${input.rate_hz.toFixed(1)} Hz`), make("span", {}, `${bytes(input.bytes_s)}/s`),
-        make("span", { class: "state" }, input.late ? `late ${input.late_s.toFixed(1)} s` : "on time"))));
-    const focused = document.activeElement?.closest("details")?.dataset.process;
-    this.processList.replaceChildren(...sorted(this.processes).map((process) => this.row(process)));
-    if (focused) (this.processList.querySelector(`[data-process="${CSS.escape(focused)}"] summary`) as HTMLElement | null)?.focus();
-    this.deputyList.replaceChildren(...sorted(this.deputies).map((deputy) => this.machine(deputy)));
+    this.inputRows.render(sorted(this.inputs));
+    this.processRows.render(sorted(this.processes));
+    this.deputyRows.render(sorted(this.deputies));
   }
+}
 
-  private row(process: HealthItem): HTMLLIElement {
-    const behind = Math.max(0, ...Object.values(process.behind_s));
-    const lossy = process.dropped + process.lost;
-    const details = make("details", { "data-process": process.process, toggle: () => {
-      if (details.open) this.open.add(process.process);
-      else this.open.delete(process.process);
-    } },
-      make("summary", {}, make("i", { class: `dot ${process.state}` }), make("b", {}, process.process),
-        make("span", { title: "messages handled a second" }, `${process.rate_hz.toFixed(0)}/s`),
-        make("span", { title: "median time to handle a message" }, `${process.latency_ms.toFixed(1)} ms`),
-        make("span", { class: lossy > 0 ? "warn" : "", title: "messages dropped or lost" }, lossy > 0 ? `−${count(lossy)}` : "")),
-      process.text ? make("p", {}, process.text) : null,
-      facts([
-        ["State", process.state + (process.host ? ` on ${process.host}, pid ${process.pid}` : "")],
-        ["Latency", `${process.latency_ms.toFixed(1)} ms median, ${process.latency_p95_ms.toFixed(1)} 95 %, ${process.latency_p99_ms.toFixed(1)} 99 %`],
-        ["Queue", `${count(process.queue)} waiting${behind > 0.3 ? `, ${behind.toFixed(1)} s behind its sensors` : ""}`],
-        ["Dropped", `${count(process.dropped)} by policy, ${count(process.lost)} lost, ${count(process.late)} late, ${count(process.rejected)} damaged`],
-        ["Memory", `${bytes(process.memory_bytes)} at most`],
-        ["Processor", `${process.cpu_percent.toFixed(0)} % of a core`],
-        ["Last error", process.last_error || "none"],
-      ]));
-    details.open = this.open.has(process.process);
-    return make("li", {}, details);
-  }
+function inputRow(name: string): Row<InputItem> {
+  const [rate, flow, state] = [make("span"), make("span"), make("span", { class: "state" })];
+  const element = make("li", {}, make("b", {}, name), rate, flow, state);
+  return {
+    element,
+    update: (input) => {
+      setAttribute(element, "class", input.late ? "late" : "");
+      setText(rate, `${input.rate_hz.toFixed(1)} Hz`);
+      setText(flow, `${bytes(input.bytes_s)}/s`);
+      setText(state, input.late ? `late ${input.late_s.toFixed(1)} s` : "on time");
+    },
+  };
+}
 
-  private machine(deputy: DeputyItem): HTMLElement {
-    return make("section", {},
-      make("h3", {}, `Machine ${deputy.deputy}`, make("small", {}, ` ${(100 * deputy.cpu).toFixed(0)} % busy, ${bytes(deputy.memory_free_bytes)} free`)),
-      make("ul", {}, ...deputy.commands.map((command) => {
-        const running = command.pid > 0;
-        const button = (verb: "start" | "stop" | "restart"): HTMLElement =>
-          make("button", { type: "button", "aria-label": `${verb} ${command.name}`, click: () => this.order(verb, command.name) }, verb);
-        return make("li", {}, make("i", { class: `dot ${running ? "running" : command.exit_code ? "failed" : "stopping"}` }), make("b", {}, command.name),
-          make("span", {}, running ? `${(100 * command.cpu).toFixed(0)} %` : `exit ${command.exit_code}`),
-          ...(running ? [button("stop"), button("restart")] : [button("start")]));
-      })));
-  }
+const FACTS = ["State", "Latency", "Queue", "Dropped", "Memory", "Processor", "Last error"];
+
+function processRow(name: string): Row<HealthItem> {
+  const dot = make("i");
+  const rate = make("span", { title: "messages handled a second" });
+  const latency = make("span", { title: "median time to handle a message" });
+  const losses = make("span", { title: "messages dropped or lost" });
+  const text = make("p");
+  const values = FACTS.map(() => make("dd"));
+  const element = make("li", {}, make("details", {}, make("summary", {}, dot, make("b", {}, name), rate, latency, losses), text,
+    make("dl", {}, ...FACTS.flatMap((title, i) => [make("dt", {}, title), values[i]]))));
+  return {
+    element,
+    update: (process) => {
+      const behind = Math.max(0, ...Object.values(process.behind_s));
+      const lossy = process.dropped + process.lost;
+      setAttribute(dot, "class", `dot ${process.state}`);
+      setText(rate, `${process.rate_hz.toFixed(0)}/s`);
+      setText(latency, `${process.latency_ms.toFixed(1)} ms`);
+      setText(losses, lossy > 0 ? `−${count(lossy)}` : "");
+      setAttribute(losses, "class", lossy > 0 ? "warn" : "");
+      setText(text, process.text);
+      text.hidden = process.text === "";
+      [
+        process.state + (process.host ? ` on ${process.host}, pid ${process.pid}` : ""),
+        `${process.latency_ms.toFixed(1)} ms median, ${process.latency_p95_ms.toFixed(1)} 95 %, ${process.latency_p99_ms.toFixed(1)} 99 %`,
+        `${count(process.queue)} waiting${behind > 0.3 ? `, ${behind.toFixed(1)} s behind its sensors` : ""}`,
+        `${count(process.dropped)} by policy, ${count(process.lost)} lost, ${count(process.late)} late, ${count(process.rejected)} damaged`,
+        `${bytes(process.memory_bytes)} at most`,
+        `${process.cpu_percent.toFixed(0)} % of a core`,
+        process.last_error || "none",
+      ].forEach((value, i) => setText(values[i], value));
+    },
+  };
+}
+
+type Command = DeputyItem["commands"][number];
+
+function machine(name: string, order: Order): Row<DeputyItem> {
+  const load = make("small");
+  const list = make("ul");
+  const rows = new Rows<Command>(list, (command) => commandRow(command, order));
+  return {
+    element: make("section", {}, make("h3", {}, `Machine ${name}`, load), list),
+    update: (deputy) => {
+      setText(load, ` ${(100 * deputy.cpu).toFixed(0)} % busy, ${bytes(deputy.memory_free_bytes)} free`);
+      rows.render(deputy.commands.map((command) => [command.name, command]));
+    },
+  };
+}
+
+function commandRow(name: string, order: Order): Row<Command> {
+  const dot = make("i");
+  const state = make("span");
+  const button = (verb: "start" | "stop" | "restart"): HTMLElement =>
+    make("button", { type: "button", "aria-label": `${verb} ${name}`, click: () => order(verb, name) }, verb);
+  const [start, stop, restart] = [button("start"), button("stop"), button("restart")];
+  return {
+    element: make("li", {}, dot, make("b", {}, name), state, start, stop, restart),
+    update: (command) => {
+      const running = command.pid > 0;
+      setAttribute(dot, "class", `dot ${running ? "running" : command.exit_code ? "failed" : "stopping"}`);
+      setText(state, running ? `${(100 * command.cpu).toFixed(0)} %` : command.exit_code ? `status ${command.exit_code}` : "stopped");
+      start.hidden = running;
+      stop.hidden = restart.hidden = !running;
+    },
+  };
 }
 
 function put<T>(map: Map<string, T>, key: string, item: T | null): void {
@@ -129,10 +172,6 @@ function put<T>(map: Map<string, T>, key: string, item: T | null): void {
   else map.delete(key);
 }
 
-function sorted<T>(map: Map<string, T>): T[] {
-  return [...map.entries()].sort((a, b) => a[0].localeCompare(b[0])).map(([, item]) => item);
-}
-
-function facts(rows: [string, string][]): HTMLElement {
-  return make("dl", {}, ...rows.flatMap(([name, value]) => [make("dt", {}, name), make("dd", {}, value)]));
+function sorted<T>(map: Map<string, T>): [string, T][] {
+  return [...map.entries()].sort((a, b) => a[0].localeCompare(b[0]));
 }

@@ -1,6 +1,7 @@
 // Loop closures: each with what every stage said of it.
-import { find, make } from "../dom";
+import { find, make, setAttribute, setText } from "../dom";
 import type { LoopItem } from "../protocol";
+import { Rows, type Row } from "./rows";
 
 const MOST_ROWS = 60;
 const STATES = { closed: "closed", rejected: "rejected", switched_off: "switched off" };
@@ -9,6 +10,9 @@ export class LoopPanel {
   private loops = new Map<string, LoopItem>();
   private list = make("ul", { class: "loop-list" });
   private summary = make("p", { class: "caption" });
+  private more = make("p", { class: "caption" });
+  private rows = new Rows<LoopItem>(this.list, (key) => this.row(key));
+  private first = 0;
   private all = false;
   private chosen: string | null = null;
   private changed = true;
@@ -19,7 +23,7 @@ export class LoopPanel {
       this.changed = true;
       this.showAll(this.all);
     } });
-    find("loops").append(make("header", {}, make("h2", {}, "Loop closures"), make("label", { class: "toggle" }, box, "rejected too")), this.summary, this.list);
+    find("loops").append(make("header", {}, make("h2", {}, "Loop closures"), make("label", { class: "toggle" }, box, "rejected too")), this.summary, this.list, this.more);
   }
 
   set(key: string, loop: LoopItem | null): void {
@@ -53,21 +57,37 @@ export class LoopPanel {
       ? `${closed} closed, ${off} switched off again by the pose graph, ${rejected} candidates rejected`
       : "No place has been recognised again yet.";
     const shown = every.filter(([key, loop]) => this.all || loop.state !== "rejected" || key === this.chosen);
-    this.list.replaceChildren(...shown.slice(0, MOST_ROWS).map(([key, loop]) => this.row(key, loop)),
-      ...(shown.length > MOST_ROWS ? [make("li", { class: "caption" }, `and ${shown.length - MOST_ROWS} older ones`)] : []));
+    this.rows.render(shown.slice(0, MOST_ROWS));
+    this.more.textContent = shown.length > MOST_ROWS ? `and ${shown.length - MOST_ROWS} older ones` : "";
   }
-  private first = 0;
 
-  private row(key: string, loop: LoopItem): HTMLElement {
-    const isChosen = key === this.chosen;
-    const at = this.first ? `${((loop.utime - this.first) / 1e6).toFixed(1)} s` : "";
-    const row = make("li", { class: isChosen ? "chosen" : "" },
-      make("button", { type: "button", "aria-expanded": String(isChosen), click: () => {
-        this.choose(isChosen ? null : key);
-        this.pick(isChosen ? null : key);
-      } }, make("i", { class: `badge ${loop.state}` }, STATES[loop.state]), make("b", {}, `${name(loop.from)} – ${name(loop.to)}`), make("span", {}, at)));
-    if (isChosen) row.append(report(loop));
-    return row;
+  private row(key: string): Row<LoopItem> {
+    const badge = make("i");
+    const at = make("span");
+    const title = make("b");
+    const button = make("button", { type: "button", click: () => {
+      const chosen = this.chosen === key ? null : key;
+      this.choose(chosen);
+      this.pick(chosen);
+    } }, badge, title, at);
+    const element = make("li", {}, button);
+    let drawn = "";
+    return {
+      element,
+      update: (loop) => {
+        const isChosen = key === this.chosen;
+        setAttribute(element, "class", isChosen ? "chosen" : "");
+        setAttribute(button, "aria-expanded", String(isChosen));
+        setAttribute(badge, "class", `badge ${loop.state}`);
+        setText(badge, STATES[loop.state]);
+        setText(title, `${name(loop.from)} – ${name(loop.to)}`);
+        setText(at, this.first ? `${((loop.utime - this.first) / 1e6).toFixed(1)} s` : "");
+        const wanted = isChosen ? JSON.stringify(loop) : "";
+        if (wanted === drawn) return;
+        drawn = wanted;
+        element.replaceChildren(button, ...(isChosen ? [report(loop)] : []));
+      },
+    };
   }
 }
 
