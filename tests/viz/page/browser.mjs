@@ -40,7 +40,7 @@ export async function run(work, name, program, args) {
 }
 
 // Asks until the answer is true (or anything like it), and gives it back. The time-out is for machines that are very busy.
-export async function until(what, ask, timeoutMs = 180_000) {
+export async function until(what, ask, timeoutMs = 300_000) {
   const deadline = Date.now() + timeoutMs;
   let last;
   for (;;) {
