@@ -1,46 +1,35 @@
-// When tracking was lost, why, and how it ended.
+// When tracking was lost, why, and how it ended: found again, or a new segment that joined the old
+// map later.
 #pragma once
 
-#include <algorithm>
-#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "libs/evaluation/trajectory.hpp"
 #include "services/visual_odometry/tracking_result.hpp"
 
 namespace fusion_slam {
 
 class LostSpells {
  public:
-  // `t_s`: since the recording's start. `relocalisations`: counted so far.
-  void on(double t_s, const TrackingResult& result, int relocalisations) {
-    const bool lost = result.state == TrackingState::kLost;
-    if (lost && !now_lost_) spells_.push_back({t_s, t_s, result.reason, ""});
-    if (!lost && now_lost_) {
-      spells_.back().to_s = t_s;
-      spells_.back().end = relocalisations > relocalisations_ ? "found again" : "new segment";
-      if (result.keyframe && result.keyframe->previous_id == 0) spells_.back().end = "new segment";
-    }
-    now_lost_ = lost;
-    relocalisations_ = relocalisations;
-  }
+  void on(const TrackingResult& result, const VisualOdometryCounts& counts);
 
-  void print() const {
-    for (const Spell& s : spells_)
-      std::printf("LOST from %.3f s (%s) to %.3f s: %s\n", s.from_s, s.reason.c_str(), s.to_s,
-                  s.end.empty() ? "the end" : s.end.c_str());
-  }
+  // A line a spell, times in seconds since `start_us`. With the truth also since when a known place
+  // was in sight: the true pose within 1 m and 30 degrees of where a keyframe was made before the
+  // loss.
+  void print(std::int64_t start_us, const Trajectory& truth) const;
 
  private:
   struct Spell {
-    double from_s = 0.0;
-    double to_s = 0.0;
-    std::string reason;  // of its first frame
-    std::string end;
+    std::int64_t from_us = 0;
+    std::int64_t to_us = 0;     // first frame that has a pose again; 0: the end
+    std::int64_t known_us = 0;  // found again or joined; 0: never
+    std::string reason;         // of its first frame
   };
   std::vector<Spell> spells_;
+  std::vector<std::int64_t> keyframes_us_;
+  VisualOdometryCounts counts_;
   bool now_lost_ = false;
-  int relocalisations_ = 0;
 };
 
 }  // namespace fusion_slam

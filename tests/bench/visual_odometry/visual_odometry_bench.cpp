@@ -89,8 +89,7 @@ void track(const RgbdFrame& frame, bool verbose, Run* run) {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count());
   if (run->first_us == 0) run->first_us = frame.utime_us;
   run->last_frame = frame;
-  run->lost.on((frame.utime_us - run->first_us) * 1e-6, result,
-               run->odometry->counts().relocalisations);
+  run->lost.on(result, run->odometry->counts());
   if (run->predictor) run->predictor->add_visual(result);
   run->last_us = frame.utime_us;
   ++run->states[static_cast<int>(result.state)];
@@ -303,7 +302,7 @@ int bench(int argc, char** argv) {
   if (!reference_out.empty()) write_tum(reference_out, reference);
   print(run, name.empty() ? path : name, score(run, reference, live_trajectory(run)),
         score(run, reference, last));
-  run.lost.print();
+  run.lost.print(run.first_us, reference);
   if (stand_minutes > 0.0) stand(stand_minutes, stand_hz, &run);
   return 0;
 }
