@@ -205,15 +205,17 @@ std::optional<PoseEstimate> VisualOdometry::track_from(const std::vector<Guess>&
                          2.0 * config_.wide_radius_px, config_);
 }
 
-// Features fail: surfaces tell what they can, the speed the rest. Not for long.
+// Features fail: surfaces tell what they can, the LiDAR (or, without one, the speed) the rest. Not
+// for long.
 std::optional<PoseEstimate> VisualOdometry::carry_on(std::int64_t utime_us, const SurfaceView& now,
                                                      const FeatureSet& set) {
   const bool bare =
       static_cast<double>(set.size()) < config_.carry_features * config_.orb.n_features;
   if (!bare || utime_us - fix_utime_us_ > config_.carry_us) return std::nullopt;
   // The floor comes in with the features.
-  const auto motion = track_surfaces(surfaces_, T_odom_camera_, now, motion_.predict(utime_us),
-                                     camera_, nullptr, config_.surfaces);
+  const SE3 guess = lidar_prediction(utime_us).value_or(motion_.predict(utime_us));
+  const auto motion =
+      track_surfaces(surfaces_, T_odom_camera_, now, guess, camera_, nullptr, config_.surfaces);
   if (!motion) return std::nullopt;
   ++counts_.carried_frames;
   CameraPosePrior prior;
