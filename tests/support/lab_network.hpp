@@ -1,4 +1,4 @@
-// Several machines of a lab on this one: network namespaces joined by a bridge. All of it belongs
+// Several machines of a lab on this one: network namespaces joined by a switch. All of it belongs
 // to this process and its children, and goes with them: nothing of the machine's own network is
 // touched.
 #pragma once
@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <optional>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,39 +15,36 @@
 #include <unistd.h>
 
 #include "libs/process/child.hpp"
+#include "tests/support/user_switch.hpp"
 
 namespace fusion_slam {
 
 class LabNetwork {
  public:
-  // Moves this process into a network namespace of its own (call it before there are threads) that
-  // holds the bridge, 10.77.0.100, and makes n machines 10.77.0.1 ... n around it. Nothing, and
-  // `why`, where that is not permitted.
-  static std::optional<LabNetwork> make(int n_machines, std::string* why) {
+  // Moves this process into a network namespace of its own (call it before there are threads),
+  // machine 0 with 10.77.0.100, and makes n machines 10.77.0.1 ... n beside it. nullptr, and `why`,
+  // where that is not permitted.
+  static std::unique_ptr<LabNetwork> make(int n_machines, std::string* why) {
     if (geteuid() != 0) {
       *why = "network namespaces need root";
-      return std::nullopt;
+      return nullptr;
     }
     if (unshare(CLONE_NEWNET) != 0) {
       *why = "this kernel or container permits no network namespaces";
-      return std::nullopt;
+      return nullptr;
     }
-    LabNetwork network;
-    if (!run("ip link set lo up") || !run("ip link add br0 type bridge mcast_snooping 0") ||
-        !run("ip addr add 10.77.0.100/24 dev br0") || !run("ip link set br0 up") ||
-        !run("ip route add 224.0.0.0/4 dev br0")) {
-      *why = "no bridge can be made here";
-      return std::nullopt;
+    std::unique_ptr<LabNetwork> network(new LabNetwork);
+    bool good = network->add_device(getpid(), "", 100);
+    for (int i = 1; i <= n_machines && good; ++i) good = network->add_machine(i);
+    if (!good) {
+      *why = "no TAP devices (/dev/net/tun) can be made here";
+      return nullptr;
     }
-    for (int i = 1; i <= n_machines; ++i)
-      if (!network.add_machine(i)) {
-        *why = "no pair of virtual network devices can be made here";
-        return std::nullopt;
-      }
+    network->wires_.start();
     return network;
   }
 
-  // argv that runs on machine i (1, 2 ...); 0: where the bridge is.
+  // argv that runs on machine i.
   std::vector<std::string> on(int i, std::vector<std::string> argv) const {
     if (i == 0) return argv;
     std::vector<std::string> result{"nsenter", "-t", std::to_string(pid(i)), "-n"};
@@ -55,46 +52,43 @@ class LabNetwork {
     return result;
   }
 
-  // What leaves machine i: "loss 5% delay 20ms 5ms reorder 10%". False where the kernel can't.
-  bool netem(int i, const std::string& how) const {
-    return run("nsenter -t " + std::to_string(pid(i)) +
-               " -n tc qdisc replace dev eth0 root netem " + how);
-  }
-  void perfect(int i) const {
-    run("nsenter -t " + std::to_string(pid(i)) + " -n tc qdisc del dev eth0 root");
-  }
-  // Pulls its cable out, and puts it in again.
-  void cut(int i) const { run("ip link set veth" + std::to_string(i) + " down"); }
-  void join(int i) const { run("ip link set veth" + std::to_string(i) + " up"); }
+  // What happens to frames that leave machine i.
+  void disturb(int i, const WireFaults& faults) { wires_.set(static_cast<std::size_t>(i), faults); }
+  void cut(int i) { wires_.cut(static_cast<std::size_t>(i), true); }
+  void join(int i) { wires_.cut(static_cast<std::size_t>(i), false); }
+  std::int64_t lost_frames() const { return wires_.lost(); }
 
  private:
-  static bool run(const std::string& command) {
-    return std::system((command + " 2>/dev/null").c_str()) == 0;
-  }
+  LabNetwork() = default;
   pid_t pid(int i) const { return holders_[static_cast<std::size_t>(i - 1)].pid(); }
+
+  bool add_device(pid_t process, const std::string& inside, int last_byte) {
+    if (!wires_.plug(process)) return false;
+    bool good = true;
+    for (const std::string& command :
+         {std::string("link set lo up"),
+          "addr add 10.77.0." + std::to_string(last_byte) + "/24 dev eth0",
+          std::string("link set eth0 up"), std::string("route add 224.0.0.0/4 dev eth0")})
+      good = std::system((inside + "ip " + command + " 2>/dev/null").c_str()) == 0 && good;
+    return good;
+  }
 
   bool add_machine(int i) {
     namespace fs = std::filesystem;
     holders_.emplace_back(
         "machine", std::vector<std::string>{"unshare", "--net", "sleep", "100000"}, "/dev/null");
     const std::string process = std::to_string(pid(i));
-    const fs::path theirs = "/proc/" + process + "/ns/net";
     std::error_code problem;
-    for (int k = 0; k < 2000; ++k) {
-      const fs::path there = fs::read_symlink(theirs, problem);
+    for (int k = 0; k < 2000; ++k) {  // until it has its namespace
+      const fs::path there = fs::read_symlink("/proc/" + process + "/ns/net", problem);
       if (!problem && there != fs::read_symlink("/proc/self/ns/net")) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    const std::string veth = "veth" + std::to_string(i);
-    const std::string inside = "nsenter -t " + process + " -n ip ";
-    return run("ip link add " + veth + " type veth peer name eth0 netns " + process) &&
-           run("ip link set " + veth + " master br0") && run("ip link set " + veth + " up") &&
-           run(inside + "link set lo up") &&
-           run(inside + "addr add 10.77.0." + std::to_string(i) + "/24 dev eth0") &&
-           run(inside + "link set eth0 up") && run(inside + "route add 224.0.0.0/4 dev eth0");
+    return add_device(pid(i), "nsenter -t " + process + " -n ", i);
   }
 
   std::vector<Child> holders_;  // each holds a namespace
+  UserSwitch wires_;
 };
 
 }  // namespace fusion_slam
