@@ -47,6 +47,7 @@ void Bus::listen_raw(const std::string& channel, std::uint64_t fingerprint, Deco
 
 void Bus::publish_raw(const std::string& channel,
                       const std::function<std::vector<std::uint8_t>(std::int64_t)>& encode) {
+  if (impl_->recovering) return;
   impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   const auto bytes = encode(impl_->outbox.next_seq(channel));
@@ -55,6 +56,7 @@ void Bus::publish_raw(const std::string& channel,
 }
 
 void Bus::publish_bytes(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+  if (impl_->recovering) return;
   impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   impl_->outbox.sent(channel, bytes);
@@ -62,15 +64,18 @@ void Bus::publish_bytes(const std::string& channel, const std::vector<std::uint8
 }
 
 void Bus::publish_tile(const std::string& channel, tile_t tile) {
+  if (impl_->recovering) return;
   impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   tile.seq = impl_->outbox.next_seq(channel);
+  tile.revision += impl_->first_revision;
   const auto bytes = bus_detail::encode(tile);
   impl_->outbox.sent_tile(channel, {tile.submap_id, tile.x, tile.y, tile.z}, tile.revision, bytes);
   impl_->send(channel, bytes);
 }
 
 void Bus::run() {
+  impl_->open_journal();
   impl_->running = true;
   impl_->send_status();
   const bool is_file = impl_->transport->url().rfind("file://", 0) == 0;
@@ -93,6 +98,10 @@ bool Bus::handle(int timeout_ms) {
 
 void Bus::every(int period_ms, std::function<void()> callback) {
   impl_->timers.push_back({period_ms * 1000LL, steady_us(), std::move(callback)});
+}
+
+void Bus::keep_in_journal(const std::set<std::string>& channels) {
+  impl_->journal_channels = channels;
 }
 
 void Bus::set_state_text(const std::string& text) {

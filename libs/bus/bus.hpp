@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -26,7 +27,8 @@ struct BusOptions {
   Mode mode = Mode::kLive;
   std::size_t keep_all_bound = 4096;  // messages a channel
   std::int64_t merge_wait_us =
-      30'000;  // live: how long a message waits for older ones of other channels
+      30'000;           // live: how long a message waits for older ones of other channels
+  std::string journal;  // file of keep_in_journal(); empty: none. Live only
 };
 
 class Transport;  // an LCM handle and its reader thread; several buses of one process may share one
@@ -65,6 +67,12 @@ class Bus {
   // Called in run() about every `period_ms` of wall time between messages (live and throughput
   // modes only): for publishing state to people. Algorithms must not depend on it.
   void every(int period_ms, std::function<void()> callback);
+
+  // Messages of these channels, which must be subscribed, are written to the journal before they
+  // are handled. run() first hands over what an earlier process wrote there: what is published
+  // meanwhile goes nowhere, and numbers that are missing since are asked for. Nothing happens
+  // without a journal, or in replay modes.
+  void keep_in_journal(const std::set<std::string>& channels);
 
   // Shown in STATUS until changed; any thread.
   void set_state_text(const std::string& text);

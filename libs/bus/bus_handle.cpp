@@ -36,7 +36,11 @@ std::string host_name() {
 Bus::Impl::Impl(BusOptions options_in, std::shared_ptr<Transport> transport_in)
     : options(std::move(options_in)),
       transport(std::move(transport_in)),
-      inbox(options.mode, options.keep_all_bound, options.merge_wait_us) {}
+      inbox(options.mode, options.keep_all_bound, options.merge_wait_us) {
+  // A process that was killed and started again must not send tiles that look older than those its
+  // listeners have: this grows faster than any tile's revision, and a double still holds it.
+  if (options.mode == Mode::kLive) first_revision = wall_us() / 1'000'000 * 1'000'000;
+}
 
 void Bus::Impl::start() {
   const Schema& schema = builtin_schema();
@@ -58,6 +62,7 @@ void Bus::Impl::handle_item(const InboxItem& item) {
     const std::lock_guard<std::mutex> lock(mutex);
     handler = &handlers[item.channel];
   }
+  write_to_journal(item);
   bool rejected = false;
   try {
     handler->decode(item.bytes.data(), item.bytes.size());

@@ -4,7 +4,9 @@
 
 #include <condition_variable>
 #include <deque>
+#include <memory>
 #include <mutex>
+#include <set>
 
 #include "fusion_slam/resend_t.hpp"
 #include "fusion_slam/step_t.hpp"
@@ -13,6 +15,7 @@
 #include "libs/bus/latency.hpp"
 #include "libs/bus/outbox.hpp"
 #include "libs/bus/transport.hpp"
+#include "libs/journal/journal.hpp"
 #include "libs/schema/schema.hpp"
 
 namespace fusion_slam {
@@ -87,9 +90,16 @@ struct Bus::Impl {
 
   mutable std::mutex out_mutex;  // of the outbox side
   Outbox outbox;
+  std::int64_t first_revision = 0;  // live: added to tiles', larger than an earlier process's
   std::int64_t burst_begin_us = 0;
   int burst_messages = 0;
   std::size_t burst_bytes = 0;
+
+  void open_journal();  // hands over what is in it
+  void write_to_journal(const InboxItem& item);
+  std::set<std::string> journal_channels;
+  std::unique_ptr<Journal> journal;     // handling thread only
+  std::atomic<bool> recovering{false};  // what is published goes nowhere
 
   std::vector<Timer> timers;  // handling thread only
   std::atomic<std::int64_t> last_status_us{0};

@@ -71,6 +71,8 @@ class Inbox {
                                     std::int64_t min_age_us, std::size_t most) const;
 
   void processed(const InboxItem& item);  // counts it as handled to the end
+  // It was handled by an earlier process: numbers missing between it and the next are missed.
+  void was_handled(std::size_t channel, std::int64_t seq, std::int64_t utime_us);
 
   struct Channel {
     std::string name;

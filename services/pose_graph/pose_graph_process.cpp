@@ -31,6 +31,8 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus) {
   bus.subscribe<lidar_node_t>("LIDAR_NODE", Policy::kKeepAll, on(&PoseGraphProcess::on_lidar_node));
   bus.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll, on(&PoseGraphProcess::on_constraint));
   bus.subscribe<constraint_t>("LEVEL", Policy::kKeepAll, on(&PoseGraphProcess::on_level));
+  // What the graph is made of; poses between only serve the moment.
+  bus.keep_in_journal({"ROBOT_MODEL", "KEYFRAME", "LIDAR_NODE", "CONSTRAINT", "LEVEL"});
   bus.subscribe<bot_core::pose_t>("ODOMETRY", Policy::kKeepAll, on(&PoseGraphProcess::on_odometry));
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll, on(&PoseGraphProcess::on_command));
   const auto on_pose_of = [this](NodeKind sensor) {

@@ -162,7 +162,7 @@ TEST(BusMemq, ALateListenerGetsTheWholeTiledState) {
     late.handle(10);
     return have.size() == 50;
   }));
-  for (const auto& [x, revision] : have) EXPECT_EQ(revision, 3) << x;
+  for (const auto& [x, revision] : have) EXPECT_EQ(revision % 1'000'000, 3) << x;
   sender.stop();
   sender_loop.join();
 }

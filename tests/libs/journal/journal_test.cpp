@@ -1,0 +1,147 @@
+#include "libs/journal/journal.hpp"
+
+#include <csignal>
+#include <fstream>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace fusion_slam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class JournalTest : public testing::Test {
+ protected:
+  void SetUp() override { fs::remove(file_); }
+  void TearDown() override { fs::remove(file_); }
+
+  static std::vector<std::uint8_t> bytes_of(int i) {
+    std::mt19937 rng(static_cast<unsigned>(i));
+    std::vector<std::uint8_t> bytes(20 + rng() % 60);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(rng());
+    return bytes;
+  }
+  void write(int n) {
+    Journal journal(file_);
+    for (int i = 0; i < n; ++i) {
+      const auto bytes = bytes_of(i);
+      ASSERT_TRUE(journal.append(1000 + i, "KEYFRAME", bytes.data(), bytes.size()));
+    }
+    EXPECT_TRUE(journal.sync());
+  }
+  // How many records are read, each checked.
+  int read() {
+    int n = 0;
+    read_journal(file_, [&](const LogEvent& event) {
+      EXPECT_EQ(event.data, bytes_of(n));
+      EXPECT_EQ(event.timestamp_us, 1000 + n);
+      EXPECT_EQ(event.channel, "KEYFRAME");
+      ++n;
+    });
+    return n;
+  }
+  std::string content() const {
+    std::ifstream in(file_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void set_content(const std::string& text) const {
+    std::ofstream(file_, std::ios::binary) << text;
+  }
+
+  fs::path file_ =
+      fs::path(testing::TempDir()) / ("journal_test_" + std::to_string(getpid()) + ".lcmlog");
+};
+
+TEST_F(JournalTest, GivesBackWhatWasWritten) {
+  EXPECT_EQ(read(), 0) << "no file";
+  write(20);
+  EXPECT_EQ(read(), 20);
+}
+
+// A power cut at each byte of the last record: the others are whole, and writing goes on.
+TEST_F(JournalTest, SurvivesBeingCutAtEveryByte) {
+  write(3);
+  const std::string two = content().substr(0, content().size() - bytes_of(2).size() - 8 - 28);
+  const std::string all = content();
+  for (std::size_t size = two.size(); size < all.size(); ++size) {
+    set_content(all.substr(0, size));
+    EXPECT_EQ(read(), 2) << size;
+    {
+      Journal journal(file_);
+      EXPECT_EQ(journal.state().n_records, 2);
+      EXPECT_EQ(journal.state().cut_bytes, static_cast<std::int64_t>(size - two.size()));
+      const auto bytes = bytes_of(2);
+      ASSERT_TRUE(journal.append(1002, "KEYFRAME", bytes.data(), bytes.size()));
+    }
+    EXPECT_EQ(content(), all) << size;
+  }
+  for (std::size_t size = 0; size < 40; ++size) {  // of the first record
+    set_content(all.substr(0, size));
+    EXPECT_EQ(read(), 0) << size;
+    EXPECT_EQ(Journal(file_).state().n_records, 0) << size;
+  }
+}
+
+TEST_F(JournalTest, EveryDamagedBitIsFound) {
+  write(3);
+  const std::string all = content();
+  const std::size_t last = all.size() - bytes_of(2).size() - 8 - 28;
+  for (std::size_t bit = 8 * last; bit < 8 * all.size(); ++bit) {
+    std::string damaged = all;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    set_content(damaged);
+    EXPECT_EQ(read(), 2) << bit;
+  }
+}
+
+TEST_F(JournalTest, RecordsOfOneAreNotTakenForThoseOfAnother) {
+  write(3);
+  std::string all = content();
+  const std::size_t first = bytes_of(0).size() + 8 + 28;
+  set_content(all.substr(first));  // begins with the second record
+  EXPECT_EQ(read(), 0);
+}
+
+TEST_F(JournalTest, HasOneWriter) {
+  Journal journal(file_);
+  try {
+    Journal second(file_);
+    FAIL() << "two writers";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("run twice"));
+  }
+}
+
+TEST_F(JournalTest, LeavesForeignFilesAlone) {
+  set_content("a letter that is no journal, and long enough to be one");
+  EXPECT_THROW(Journal journal(file_), std::runtime_error);
+  EXPECT_THAT(content(), HasSubstr("a letter"));
+  EXPECT_THROW(Journal("/nowhere/x.lcmlog"), std::runtime_error);
+}
+
+TEST_F(JournalTest, AFullDiskIsSaidAndHurtsNothing) {
+  write(2);
+  // The file's own size is limited instead of the disk's.
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{200, 200};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    Journal journal(file_);
+    const std::vector<std::uint8_t> large(1000, 1);
+    _exit(journal.append(1, "KEYFRAME", large.data(), large.size()) ? 1 : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(read(), 2);
+}
+
+}  // namespace
+}  // namespace fusion_slam
