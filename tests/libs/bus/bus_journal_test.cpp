@@ -110,12 +110,14 @@ TEST_F(BusJournal, TilesOfAProcessStartedAgainAreNewer) {
   std::map<std::int64_t, std::vector<std::uint8_t>> held;
   Bus bus(options("receiver"), network_);
   TileReceiver receiver(bus, "GRID_FUSED", [&](const Tile& tile) { held[tile.key.x] = tile.data; });
+  std::int64_t utime_us = 0;
   const auto send = [&](std::uint8_t value, int n_revisions) {
     Bus sender(options("fuser"), network_);
     TilePublisher publisher(sender, "GRID_FUSED");
     for (int revision = 1; revision <= n_revisions; ++revision) {
       Tile tile;
       tile.revision = revision;
+      tile.utime_us = ++utime_us;
       tile.data = {value};
       publisher.publish(tile);
     }
