@@ -76,7 +76,8 @@ std::optional<cv::Mat> read_image(const RawImage& raw, cv::Size promised, std::s
   if (raw.format == PixelFormat::kJpeg)
     return decode_jpeg(Bytes(raw.bytes, raw.bytes + raw.size_bytes), raw.width_px, raw.height_px,
                        why);
-  const auto row = static_cast<std::size_t>(raw.width_px * bytes_per_pixel(raw.format));
+  const auto row = static_cast<std::size_t>(raw.width_px) *
+                   static_cast<std::size_t>(bytes_per_pixel(raw.format));
   const std::size_t stride =
       raw.stride_bytes == 0 ? row : static_cast<std::size_t>(std::max(0, raw.stride_bytes));
   const std::size_t need = stride * static_cast<std::size_t>(raw.height_px - 1) + row;

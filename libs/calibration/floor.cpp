@@ -132,6 +132,7 @@ std::optional<FloorView> find_floor(const std::vector<DepthFrame>& frames,
   Eigen::Vector3d a;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> values;
+    values.reserve(seen.size());
     for (const Seen& one : seen) values.push_back(one.a(k));
     std::nth_element(values.begin(),
                      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
