@@ -23,7 +23,8 @@ TEST(PlanarPath, IsExactForConstantAccelerationAtUnevenTimes) {
     const double t = 0.1 * i + (i % 3) * 0.02;
     path.add(static_cast<std::int64_t>(1e6 * t), pose(t));
   }
-  for (double t = 0.3; t < 1.6; t += 0.013) {
+  for (int i = 0; i < 100; ++i) {
+    const double t = 0.3 + 0.013 * i;
     const SE2 p = path.at(1e6 * t);
     EXPECT_NEAR(p.x, pose(t).x, 1e-9);
     EXPECT_NEAR(p.y, pose(t).y, 1e-9);

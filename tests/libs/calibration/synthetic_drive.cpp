@@ -107,11 +107,12 @@ CalibrationDrive synthetic_drive(const DriveTruth& truth, double seconds) {
     drive.scans.push_back(scan_at(i / 7.0, truth, robot.lidar, &random));
     drive.lidar.add(us(i / 7.0), true_pose(i / 7.0) * truth.T_base_lidar);
   }
-  for (double t = 0.5; t < seconds - 0.5; t += 0.25)
-    drive.frames.push_back(frame_at(t, truth, drive.camera, &random));
+  for (int i = 2; 0.25 * i < seconds - 0.5; ++i)
+    drive.frames.push_back(frame_at(0.25 * i, truth, drive.camera, &random));
   SE2 odometry;
   constexpr double kStep_s = 0.02;
-  for (double t = 0.0; t < seconds; t += kStep_s) {
+  for (int i = 0; kStep_s * i < seconds; ++i) {
+    const double t = kStep_s * i;
     drive.odometry.add(us(t - truth.wheel_delay_s), odometry);
     SE2 motion = true_pose(t).inverse() * true_pose(t + kStep_s);
     motion.x /= truth.way_scale;
