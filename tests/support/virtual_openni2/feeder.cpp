@@ -1,6 +1,7 @@
 // virtual_openni2: feeds the virtual OpenNI2 device from a log's CAMERA, at its own pace.
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <iostream>
 #include <map>
@@ -67,7 +68,7 @@ void feed(const Feeding& options) {
   fusion_slam::FeedFormat format;
   format.width_px = model->width;
   format.height_px = model->height;
-  format.rate_hz = static_cast<int>(model->rate_hz + 0.5);
+  format.rate_hz = static_cast<int>(std::lround(model->rate_hz));
   format.colour_fx_px = format.depth_fx_px = model->fx;
   format.colour_fy_px = format.depth_fy_px = model->fy;
   fusion_slam::FeedWriter writer(options.feed, format);
