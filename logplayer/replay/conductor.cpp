@@ -234,17 +234,20 @@ Played Conductor::play(const LogEvent& event) {
   if (is_repeat(event)) return Played::kRepeat;
   const auto published = bus_.published();
   const auto mine = published.find(event.channel);
-  bus_.publish_bytes(event.channel,
-                     renumbered(event, mine == published.end() ? 1 : mine->second + 1));
+  const bool first = mine == published.end();
+  bus_.publish_bytes(event.channel, renumbered(event, first ? 1 : mine->second + 1));
   poll_();
   if (options_.mode == Mode::kLockstep) {
     step_until_quiet();
   } else {
+    // Nobody can miss the first message of a channel before there is a second: a model that got
+    // lost would come after the frames that need it.
+    const int most = first ? 0 : options_.most_in_flight;
     wait(
-        [this] {
+        [this, most] {
           const Counts counts = counts_locked();
           return std::all_of(shared_->last.begin(), shared_->last.end(), [&](const auto& peer) {
-            return backlog(peer.second, counts) <= options_.most_in_flight;
+            return backlog(peer.second, counts) <= most;
           });
         },
         "replay");

@@ -3,7 +3,8 @@
 // Lockstep, after an event: every process handles in one step the messages that the step before
 // brought forth (bulk synchronous processing, Valiant 1990), in canonical order, until no message
 // is unhandled. What a process sees therefore depends on the log alone, not on the network's or the
-// scheduler's timing. Throughput: a bounded number of messages is in flight.
+// scheduler's timing. Throughput: a bounded number of messages is in flight; the first of each
+// channel is handled by all before the next is sent.
 //
 // All methods from one thread.
 #pragma once
