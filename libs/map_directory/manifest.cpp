@@ -94,7 +94,8 @@ Manifest parse_manifest(const std::string& text, const std::filesystem::path& di
     manifest.summary = summary_from(json.at("summary"));
     for (const auto& [name, file] : json.at("files").items()) {
       if (name.empty() || name.find('/') != std::string::npos || name[0] == '.')
-        throw std::runtime_error(where + ": `" + name + "` is no name of a file of a map");
+        throw std::runtime_error(std::string(where).append(": `").append(name).append(
+            "` is no name of a file of a map"));
       MapFile entry;
       file.at("size_bytes").get_to(entry.size_bytes);
       entry.crc32 =

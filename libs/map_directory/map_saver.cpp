@@ -32,7 +32,7 @@ std::vector<std::uint8_t> encoded(const Message& message) {
 TileKey key_of(const tile_t& tile) { return {tile.submap_id, tile.x, tile.y, tile.z}; }
 
 fs::path session_log(const fs::path& session) {
-  const fs::path log = fs::is_directory(session) ? session / "session.lcmlog" : session;
+  fs::path log = fs::is_directory(session) ? session / "session.lcmlog" : session;
   if (!fs::exists(log))
     throw std::runtime_error(log.string() +
                              ": there is no such file; give the session.lcmlog that "
