@@ -12,14 +12,14 @@
 #include <vector>
 
 #include "libs/camera/camera_model.hpp"
+#include "libs/places/geometry_check.hpp"
+#include "libs/places/place_index.hpp"
 #include "libs/robot/robot_model.hpp"
 #include "services/loop_detector/config.hpp"
 #include "services/loop_detector/consistency.hpp"
-#include "libs/places/geometry_check.hpp"
 #include "services/loop_detector/graph_knowledge.hpp"
 #include "services/loop_detector/lidar_check.hpp"
 #include "services/loop_detector/loop_types.hpp"
-#include "libs/places/place_index.hpp"
 #include "services/loop_detector/submap_store.hpp"
 
 namespace fusion_slam {
