@@ -1,5 +1,5 @@
 // The fuser's library over the SUBMAP, GRID_VISUAL and GRAPH messages of a recorded session: CPU
-// time, and that of libs/submaps/grid_composer over the same submaps.
+// time, and that of composing the submaps alone (libs/grid/grid_mosaic).
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -12,8 +12,8 @@
 
 #include "fusion_slam/graph_t.hpp"
 #include "libs/eventlog/reader.hpp"
+#include "libs/grid/grid_mosaic.hpp"
 #include "libs/messages/convert.hpp"
-#include "libs/submaps/grid_composer.hpp"
 #include "services/fuser/fuser.hpp"
 
 namespace fusion_slam {
@@ -106,9 +106,8 @@ void run_fuser(const std::vector<Input>& inputs) {
 }
 
 // Composition alone, at the fuser's pace.
-template <class Composer>
-void run_composer(const std::vector<Input>& inputs, const char* name) {
-  Composer composer(0.05, 0.25);
+void run_mosaic(const std::vector<Input>& inputs) {
+  GridMosaic mosaic(0.05, 0.25);
   Cost all;
   std::int64_t newest_us = 0, composed_us = 0;
   for (const Input& input : inputs) {
@@ -116,21 +115,21 @@ void run_composer(const std::vector<Input>& inputs, const char* name) {
     const auto cells = input.anchor ? std::nullopt : decode_grid_tile(input.tile);
     const double before = cpu_ms();
     if (input.anchor)
-      composer.set_pose(input.id, to_se2(input.T_map_submap));
+      mosaic.set_pose(input.id, to_se2(input.T_map_submap));
     else if (cells)
-      composer.set_tile(input.tile.key.submap_id, {input.tile.key.x, input.tile.key.y}, *cells,
-                        input.tile.resolution_m);
+      mosaic.set_tile(input.tile.key.submap_id, {input.tile.key.x, input.tile.key.y}, *cells,
+                      input.tile.resolution_m);
     newest_us = std::max({newest_us, input.utime_us, input.tile.utime_us});
     if (newest_us >= composed_us + 1'000'000) {
-      composer.recompose(false);
+      mosaic.recompose(false);
       composed_us = newest_us;
     }
     all.add(before);
   }
   const double before = cpu_ms();
-  composer.recompose(true);
+  mosaic.recompose(true);
   all.add(before);
-  all.print(name);
+  all.print("grid_mosaic");
 }
 
 }  // namespace
@@ -145,8 +144,7 @@ int main(int argc, char** argv) {
     const auto inputs = fusion_slam::read(log);
     std::printf("%zu inputs\n", inputs.size());
     fusion_slam::run_fuser(inputs);
-    fusion_slam::run_composer<fusion_slam::GridMosaic>(inputs, "grid_mosaic");
-    fusion_slam::run_composer<fusion_slam::GridComposer>(inputs, "grid_composer");
+    fusion_slam::run_mosaic(inputs);
   } catch (const std::exception& e) {
     std::cerr << e.what() << "\n";
     return 1;

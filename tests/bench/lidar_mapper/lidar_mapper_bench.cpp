@@ -12,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "libs/submaps/grid_composer.hpp"
+#include "libs/grid/grid_mosaic.hpp"
 #include "services/lidar_mapper/lidar_mapper.hpp"
 #include "tests/bench/lidar_mapper/bench_recording.hpp"
 
@@ -21,12 +21,12 @@ namespace {
 
 class Picture {
  public:
-  explicit Picture(double resolution_m) : composer_(resolution_m) {}
+  explicit Picture(double resolution_m) : mosaic_(resolution_m) {}
 
   void add(const MapperOutput& out) {
     if (out.node)
       for (const auto& m : out.node->submaps)
-        if (m.submap_id == out.node->id) composer_.set_pose(m.submap_id, out.node->T_odom_base);
+        if (m.submap_id == out.node->id) mosaic_.set_pose(m.submap_id, out.node->T_odom_base);
     add(out.tiles);
     if (out.node && out.node->id % 12 == 0)
       marks_.push_back({out.node->T_odom_base, out.node->covariance});
@@ -35,11 +35,11 @@ class Picture {
   void add(const std::vector<Tile>& tiles) {
     for (const Tile& tile : tiles)
       if (const auto cells = decode_grid_tile(tile))
-        composer_.set_tile(tile.key.submap_id, {tile.key.x, tile.key.y}, *cells, tile.resolution_m);
+        mosaic_.set_tile(tile.key.submap_id, {tile.key.x, tile.key.y}, *cells, tile.resolution_m);
   }
   void write(const std::string& path) {
-    composer_.recompose(true);
-    const auto& tiles = composer_.map().tiles();
+    mosaic_.recompose(true);
+    const auto& tiles = mosaic_.map().tiles();
     if (tiles.empty()) return;
     TileIndex low = tiles.begin()->first, high = low;
     for (const auto& [index, cells] : tiles) {
@@ -63,7 +63,7 @@ class Picture {
     }
     cv::Mat colour;
     cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
-    const double cell_m = composer_.map().resolution_m();
+    const double cell_m = mosaic_.map().resolution_m();
     for (const Mark& mark : marks_) {
       const Eigen::Matrix2d R = Eigen::Rotation2Dd(mark.T_odom_base.yaw).toRotationMatrix();
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(
@@ -90,7 +90,7 @@ class Picture {
   };
   std::vector<Mark> marks_;
   bool ellipses_ = false;
-  GridComposer composer_;
+  GridMosaic mosaic_;
 };
 
 void write_pose(std::ofstream& file, std::int64_t utime_us, const SE3& T) {
