@@ -114,7 +114,7 @@ fs::path write_report(const ReportOptions& options) {
         "No session.lcmlog in the folder: no processes, loops and settings here.");
   }
   page.sections.push_back(numbers_section(metrics));
-  const fs::path out = options.out.empty() ? options.run / "report.html" : options.out;
+  fs::path out = options.out.empty() ? options.run / "report.html" : options.out;
   write_file_atomically(out, page_html(page));
   return out;
 }

@@ -52,6 +52,7 @@ std::string start_local_deputy(const std::string& lcm_url, const std::string& ke
   if (!lcm_url.empty()) argv.insert(argv.end(), {"--lcm-url", lcm_url});
   if (!key_file.empty()) argv.insert(argv.end(), {"--key", fs::absolute(key_file).string()});
   std::vector<char*> raw;
+  raw.reserve(argv.size() + 1);
   for (std::string& argument : argv) raw.push_back(argument.data());
   raw.push_back(nullptr);
   const int log = open(log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
