@@ -41,7 +41,8 @@ class DeputyTest : public testing::Test {
     command.spec.auto_respawn = auto_respawn;
     command.desired_runid = runid;
     command.force_quit = force_quit;
-    ASSERT_EQ(deputy_.core().take({++utime_, "d", "s", {command}}, utime_, monotonic_us()),
+    ++utime_;
+    ASSERT_EQ(deputy_.core().take({utime_, "d", "s", {command}}, utime_, monotonic_us()),
               OrdersVerdict::kTaken);
   }
   template <class Condition>
