@@ -19,7 +19,7 @@ NodeKind kind_of(std::int8_t kind) {
 }  // namespace
 
 LoopDetectorProcess::LoopDetectorProcess(Bus& bus, LoopDetectorConfig config)
-    : bus_(bus), config_(config), submap_tiles_(bus, "SUBMAP", [this](const Tile& tile) {
+    : bus_(bus), config_(std::move(config)), submap_tiles_(bus, "SUBMAP", [this](const Tile& tile) {
         if (detector_)
           detector_->add_tile(tile);
         else if (early_tiles_.size() < kMaxEarly)
@@ -60,7 +60,7 @@ void LoopDetectorProcess::start_when_ready() {
   if (!detector_) {
     detector_ = std::make_unique<LoopDetector>(*robot_, config_);
     for (const Tile& tile : std::exchange(early_tiles_, {})) detector_->add_tile(tile);
-    for (LoopScan& scan : std::exchange(early_scans_, {})) publish(detector_->add(std::move(scan)));
+    for (const LoopScan& scan : std::exchange(early_scans_, {})) publish(detector_->add(scan));
   }
   if (!camera_) return;
   detector_->set_camera(*camera_);
@@ -82,7 +82,7 @@ void LoopDetectorProcess::on_lidar_node(const lidar_node_t& message) {
   std::string why;
   std::optional<LoopScan> scan = from_message(message, &why);
   if (!scan) return bus_.report_error("LIDAR_NODE refused: " + why);
-  if (detector_) return publish(detector_->add(std::move(*scan)));
+  if (detector_) return publish(detector_->add(*scan));
   if (early_scans_.size() >= kMaxEarly)
     return bus_.report_error("LIDAR_NODE dropped: no ROBOT_MODEL yet");
   early_scans_.push_back(std::move(*scan));

@@ -74,6 +74,7 @@ void SparseProblem::make_pattern() {
     for (const auto& [small, large] : part_->pairs())
       if (small != large) pairs.emplace(large, small);
   std::vector<Eigen::Triplet<double>> triplets;
+  triplets.reserve(static_cast<std::size_t>(n) + pairs.size());
   for (int i = 0; i < n; ++i) triplets.emplace_back(i, i, 1.0);
   for (const auto& [row, column] : pairs) triplets.emplace_back(row, column, 1.0);
   Eigen::SparseMatrix<double> pattern(n, n);

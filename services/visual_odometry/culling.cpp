@@ -22,8 +22,9 @@ bool redundant(const VisualMap& map, const MapKeyframe& keyframe,
     const Landmark* landmark = id == 0 ? nullptr : map.landmark(id);
     if (landmark == nullptr || keyframe.features->features[i].depth_m <= 0.0F) continue;
     ++n;
-    const int octave = keyframe.features->features[i].octave;
-    if (fine_views(map, *landmark, keyframe.id, octave) >= config.redundant_views) ++n_well_seen;
+    const Feature& feature = keyframe.features->features[i];
+    if (fine_views(map, *landmark, keyframe.id, feature.octave) >= config.redundant_views)
+      ++n_well_seen;
   }
   return n_well_seen > config.redundant_share * n;
 }
