@@ -63,8 +63,8 @@ std::optional<CellReport> GridView::at(double x_m, double y_m) const {
   report.cell_y = static_cast<int>(std::floor(std::clamp(y_m / report.resolution_m, -1e9, 1e9)));
   const auto tile_of = [](int cell) { return cell >= 0 ? cell / 64 : -((63 - cell) / 64); };
   const TileIndex index{tile_of(report.cell_x), tile_of(report.cell_y)};
-  const auto i = static_cast<std::size_t>((report.cell_y - index.second * 64) * 64 +
-                                          (report.cell_x - index.first * 64));
+  const int in_tile = (report.cell_y - index.second * 64) * 64 + (report.cell_x - index.first * 64);
+  const auto i = static_cast<std::size_t>(in_tile);
   bool found = false;
   for (std::size_t layer = 0; layer < layers_.size(); ++layer) {
     const auto tile = layers_[layer].find(index);
