@@ -56,6 +56,7 @@ MappingJob make_mapping_job(const VisualMap& map, std::int64_t newest,
         for (const Observation& o : map.landmark(seen)->observations)
           if (moving.count(o.keyframe) == 0) ++others[o.keyframe];
   std::vector<std::pair<int, std::int64_t>> ranked;
+  ranked.reserve(others.size());
   for (const auto& [id, shared] : others) ranked.emplace_back(-shared, -id);
   std::sort(ranked.begin(), ranked.end());
   std::vector<std::int64_t> ids = job.moving;

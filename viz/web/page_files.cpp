@@ -48,7 +48,7 @@ const PageFile* PageFiles::find(const std::string& path) const {
 
 std::filesystem::path page_folder(const std::filesystem::path& program) {
   const auto bin = program.parent_path();
-  const auto built = bin.parent_path() / "web";
+  auto built = bin.parent_path() / "web";
   if (std::filesystem::exists(built / "index.html")) return built;
   return bin / ".." / ".." / "share" / "fusion-slam" / "web";
 }
