@@ -16,6 +16,7 @@ mkdirSync(join(work, "saved"), { recursive: true });
 const shot = (page, name) => page.screenshot({ path: join(work, `${name}.png`) });
 const text = (page, selector) => page.locator(selector).innerText();
 const view = (session = []) => start(work, "viewer", bin("viewer"), [...session, "--port", PORT, "--lcm-url", NETWORK, "--save-dir", join(work, "saved")]);
+const knows = ({ processes }) => SERVICES.every((service) => processes.includes(service));
 const ready = () => until("the viewer to serve", async () => (await fetch(`${URL}health`)).ok);
 
 async function live(browser) {
@@ -29,7 +30,7 @@ async function live(browser) {
   await shot(page, "empty");
 
   const services = new Map(SERVICES.map((name) => [name, start(work, name, bin(name), ["--lcm-url", NETWORK])]));
-  await until("every service to be seen", async () => (await page.locator("#health .processes li").count()) >= SERVICES.length);
+  await until("every service to be seen", async () => knows(await stats(page)));
   const logger = start(work, "logger", "lcm-logger", ["--force", "--quiet", `--lcm-url=${NETWORK}`, join(work, "session.lcmlog")]);
   const player = start(work, "player", "lcm-logplayer", ["--speed=0.7", `--lcm-url=${NETWORK}`, join(work, "office.lcm")]);
   const early = await until("a first map", async () => {
@@ -67,10 +68,12 @@ async function live(browser) {
   viewer = view();
   await until("the page to have everything again", async () => {
     const now = await stats(page);
-    return now.link === "open" && now.fusedTiles >= whole.fusedTiles && now.nodes >= whole.nodes && now.session?.area_m2 > 0.99 * whole.session.area_m2;
+    return now.link === "open" && now.beginnings > whole.beginnings && now.fusedTiles >= whole.fusedTiles && now.nodes >= whole.nodes && now.session?.area_m2 > 0.99 * whole.session.area_m2;
   });
   check(true, "a viewer that was killed and started again is whole again, and so is the page");
 
+  // A viewer knows the processes that it has heard, each once a second; this one has just begun.
+  await until("the new viewer to have heard every service", async () => knows(await stats(page)));
   await stop(services.get("lidar_mapper"), "SIGKILL");
   await until("the dead process to be named", async () => (await text(page, "#banner")).includes("lidar_mapper has said nothing"));
   check(true, "a process that dies is named at the top");

@@ -57,6 +57,7 @@ let waiting: { batch: Batch; next: number }[] = [];
 let frames: number[] = [];
 let lastFrame = 0;
 let lastDescribed = 0;
+let beginnings = 0;
 let lastBytes = { at: performance.now(), n: 0, perSecond: 0 };
 
 const connection = new Connection({
@@ -84,6 +85,7 @@ async function command(request: Record<string, unknown>): Promise<void> {
 
 // A replay went back or the viewer is another one: everything comes again. The player's bar stays.
 function startAnew(): void {
+  beginnings++;
   world.clear();
   health.clear();
   loops.clear();
@@ -223,7 +225,7 @@ Object.assign(window, {
   fusionSlam: {
     world, layers, camera,
     stats: () => ({
-      link, bytes: connection.bytes, bytesPerSecond: lastBytes.perSecond, frames: world.viewport.frames, frameMs: world.viewport.frameMs,
+      link, beginnings, processes: health.names(), bytes: connection.bytes, bytesPerSecond: lastBytes.perSecond, frames: world.viewport.frames, frameMs: world.viewport.frameMs,
       points: world.cloud.total, voxels: world.voxels.total, fusedTiles: world.grids.fused.tiles, nodes: world.graph.nodes.size,
       tiles: world.tiles, waiting: waiting.length, pose: world.pose, session, player: timeline.player, truthError,
       time: duration((session ? session.utime - session.first_utime : 0) / 1e6),

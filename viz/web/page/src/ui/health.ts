@@ -44,6 +44,9 @@ export class HealthPanel {
     this.deputies.clear();
     this.changed = true;
   }
+  names(): string[] {
+    return [...this.processes.keys()];
+  }
   setPerformance(text: string): void {
     this.performance.textContent = text;
   }
