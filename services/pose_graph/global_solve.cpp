@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "libs/geometry/orthonormal.hpp"
 #include "services/pose_graph/pose_graph.hpp"
 
 namespace fusion_slam {
@@ -62,7 +63,8 @@ void PoseGraph::meet_global_solve(bool now) {
   if (!background_) return;
   if (!now && newest_utime_us_ < background_->meet_us) return;
   GlobalSolve answer = background_->answer.get();
-  for (auto& [id, node] : answer.nodes) node.T_map_base = background_->T_now_then * node.T_map_base;
+  for (auto& [id, node] : answer.nodes)
+    node.T_map_base = orthonormal(background_->T_now_then * node.T_map_base);
   background_.reset();
   const std::size_t asked = answer.edges.size();
   const bool pulls =
@@ -89,9 +91,9 @@ void PoseGraph::adopt(const GlobalSolve& answer) {
       const bool same_kind =
           before != correction.begin() && std::prev(before)->first.kind == id.kind;
       if (same_kind)
-        node.T_map_base = std::prev(before)->second * node.T_map_base;
+        node.T_map_base = orthonormal(std::prev(before)->second * node.T_map_base);
       else if (!correction.empty())
-        node.T_map_base = correction.rbegin()->second * node.T_map_base;
+        node.T_map_base = orthonormal(correction.rbegin()->second * node.T_map_base);
     }
     changed_.insert(id);
   }

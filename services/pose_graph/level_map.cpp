@@ -1,4 +1,5 @@
 // The whole map moved at once, so that z is up and z = 0 the floor.
+#include "libs/geometry/orthonormal.hpp"
 #include "services/pose_graph/pose_graph.hpp"
 
 namespace fusion_slam {
@@ -19,7 +20,7 @@ bool PoseGraph::level_map(const NodeId& id, const SE3& T_level_id, std::string* 
   }
   const SE3 T_level_map = levelling(nodes_.at(id).T_map_base, T_level_id);
   for (auto& [node_id, node] : nodes_) {
-    node.T_map_base = T_level_map * node.T_map_base;
+    node.T_map_base = orthonormal(T_level_map * node.T_map_base);
     changed_.insert(node_id);
   }
   if (background_) background_->T_now_then = T_level_map * background_->T_now_then;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "libs/geometry/orthonormal.hpp"
+
 namespace fusion_slam {
 
 PoseGraph::PoseGraph(PoseGraphConfig config)
@@ -128,7 +130,7 @@ void PoseGraph::refine_edges(const NodeInput& node) {
 }
 
 void PoseGraph::put(const NodeInput& node, const SE3& T_map_base) {
-  nodes_[node.id] = {node.utime_us, T_map_base, node.T_odom_base};
+  nodes_[node.id] = {node.utime_us, orthonormal(T_map_base), node.T_odom_base};
   by_time_.emplace(node.utime_us, node.id);
   changed_.insert(node.id);
   if (!node.seen.empty()) seen_.add(node.id.id, node.seen);

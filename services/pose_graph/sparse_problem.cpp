@@ -6,6 +6,7 @@
 
 #include <Eigen/OrderingMethods>
 
+#include "libs/geometry/orthonormal.hpp"
 #include "services/pose_graph/graph_costs.hpp"
 
 namespace fusion_slam {
@@ -275,7 +276,7 @@ double SparseProblem::minimise(double mu, int max_iterations, Poses* poses, int*
 
 void SparseProblem::write_back(const Poses& poses, GraphNodes* nodes) const {
   for (std::size_t v = 0; v < variables_.size(); ++v)
-    nodes->at(variables_[v]).T_map_base = poses[v];
+    nodes->at(variables_[v]).T_map_base = orthonormal(poses[v]);
 }
 
 }  // namespace fusion_slam

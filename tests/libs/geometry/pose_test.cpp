@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "libs/geometry/orthonormal.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -20,6 +22,19 @@ TEST(Pose, RetractUndoesLocal) {
     const SE3 b = random_pose(rng);
     EXPECT_TRUE(retract(a, local(a, b)).isApprox(b, 1e-9));
   }
+}
+
+// A map corrected by T_new_old = T_new * T_old^-1 again and again: rounding must not grow.
+TEST(Pose, CorrectedAThousandTimesAPoseIsStillOne) {
+  std::mt19937 rng(7);
+  SE3 old = random_pose(rng);
+  for (int i = 0; i < 1000; ++i) {
+    const SE3 corrected = orthonormal(retract(old, Vector6d::Constant(1e-3)));
+    old = orthonormal(corrected * old.inverse() * old);
+    ASSERT_TRUE((old.linear() * old.linear().transpose()).isIdentity(1e-14)) << i;
+  }
+  const SE3 T = random_pose(rng);
+  EXPECT_TRUE(orthonormal(T).isApprox(T, 1e-15));
 }
 
 TEST(Pose, LogIsExactNearZeroAndNearPi) {
