@@ -8,8 +8,12 @@ import platform
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 
+# Runs a program and notes the peak of its memory, which only its parent can ask for.
+MEASURE = ("import resource, subprocess, sys; code = subprocess.call(sys.argv[2:]); "
+           "open(sys.argv[1], 'w').write(str(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)); sys.exit(code)")
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
@@ -49,6 +53,8 @@ class Bench:
         self.out.mkdir(parents=True, exist_ok=True)
         self.tables = []
         self.failures = []
+        self.pictures = []
+        self.found = {}  # the metrics of runs that several tables need: (world, sensors) -> [metrics]
         if not self.bin.is_dir():
             sys.exit(f"{self.bin}: not there; build with tests first (./fusion-slam test --quick)")
 
@@ -68,6 +74,25 @@ class Bench:
         self.failures.append({"command": command, "why": f"exit code {done.returncode}: {done.stderr[-2000:]}"})
         return None
 
+    def measured(self, program, *arguments):
+        """Standard output and the most memory the program had, MB; None, 0 when it failed."""
+        with tempfile.NamedTemporaryFile() as note:
+            command = ["/usr/bin/env", "python3", "-c", MEASURE, note.name, str(self.bin / program), *map(str, arguments)]
+            print(f"  {program} {' '.join(map(str, arguments))}", file=sys.stderr, flush=True)
+            done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+            if done.returncode != 0:
+                self.failures.append({"command": [program, *map(str, arguments)], "why": f"exit code {done.returncode}: {done.stderr[-2000:]}"})
+                return None, 0.0
+            return done.stdout + done.stderr, float(note.read()) / 1e3
+
+    def clock(self):
+        return time.monotonic()
+
+    def picture(self, name, svg):
+        """Kept beside the tables; with --write also in docs/images."""
+        (self.out / name).write_text(svg)
+        self.pictures.append(name)
+
     def table(self, title, command, head, rows, note=""):
         self.tables.append({"title": title, "command": command, "head": head, "rows": rows, "note": note})
 
@@ -81,6 +106,7 @@ class Bench:
                       "| " + " | ".join(t["head"]) + " |", "|" + "---|" * len(t["head"])]
             lines += ["| " + " | ".join(map(str, row)) + " |" for row in t["rows"]]
             lines.append("")
+        lines += [f"![{name}](images/{name})\n" for name in self.pictures]
         lines += [f"Failed: `{' '.join(map(str, f['command']))}`: {f['why']}" for f in self.failures]
         return "\n".join(lines).rstrip() + "\n"
 

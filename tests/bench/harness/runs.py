@@ -74,6 +74,8 @@ def success(bench, worlds, seeds, seconds, camera_hz):
                 runs += 1
                 name = f"{made[0]}_{sensors.replace(' ', '_')}"
                 m = run(bench, name, made[1], *options)
+                if m is not None:
+                    bench.found.setdefault((world, sensors), []).append(m)
                 score = map_score(bench, name, made[2]) if m else None
                 if m is None or score is None or "ape_rmse_m" not in m:
                     continue

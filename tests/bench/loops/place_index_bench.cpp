@@ -1,8 +1,9 @@
 // How long the question "which place looks like this" takes, in CPU time, as the number of
-// keyframes grows. Places are made of random features that share a common stock, as rooms of one
-// building do.
+// keyframes grows to N: place_index_bench [N]. Places are made of random features that share a
+// common stock, as rooms of one building do.
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <random>
 
@@ -48,17 +49,18 @@ class Building {
   std::vector<Descriptor> stock_;
 };
 
-void run() {
+void run(unsigned n) {
   Building building;
   PlaceIndex index{AppearanceConfig{}};
   int right = 0, asked = 0;
   std::vector<double> ms;
-  for (unsigned i = 0; i < 5000; ++i) {
+  const unsigned step = std::max(1U, n / 5U);
+  for (unsigned i = 0; i < n; ++i) {
     index.add(i + 1, static_cast<std::int64_t>(i) * 1'000'000, building.keyframe(i, i));
-    if ((i + 1) % 1000 != 0) continue;
+    if ((i + 1) % step != 0) continue;
     ms.clear();
     for (unsigned k = 0; k < 50; ++k) {
-      const unsigned place = (k * 97) % (i - 100);
+      const unsigned place = (k * 97) % (i + 1 - step / 10);
       const FeatureSet seen = building.keyframe(place, 100000 + k);
       const std::clock_t before = std::clock();
       const auto places = index.like(seen);
@@ -75,7 +77,12 @@ void run() {
 }  // namespace
 }  // namespace fusion_slam
 
-int main() {
-  fusion_slam::run();
+int main(int argc, char** argv) {
+  const int n = argc > 1 ? std::atoi(argv[1]) : 5000;
+  if (argc > 2 || n < 50) {
+    std::fprintf(stderr, "usage: place_index_bench [N], at least 50 keyframes\n");
+    return 2;
+  }
+  fusion_slam::run(static_cast<unsigned>(n));
   return 0;
 }

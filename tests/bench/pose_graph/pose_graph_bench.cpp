@@ -1,7 +1,8 @@
 // How long the pose graph takes: a robot drives round and round a block; when it comes by again,
 // loops close. Says the time of each quick solve and of the global one by the graph's size, in CPU
-// time.
+// time: pose_graph_bench [NODES ...].
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <random>
 
@@ -68,7 +69,16 @@ void run(int n_nodes) {
 }  // namespace
 }  // namespace fusion_slam
 
-int main() {
-  for (const int n : {500, 1000, 2000, 4000}) fusion_slam::run(n);
+int main(int argc, char** argv) {
+  std::vector<int> sizes;
+  for (int i = 1; i < argc; ++i) sizes.push_back(std::atoi(argv[i]));
+  if (sizes.empty()) sizes = {500, 1000, 2000, 4000};
+  for (const int n : sizes) {
+    if (n < 20) {
+      std::fprintf(stderr, "pose_graph_bench: numbers of nodes, at least 20 each\n");
+      return 2;
+    }
+    fusion_slam::run(n);
+  }
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <ctime>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -184,9 +185,12 @@ void print(const Run& run, const std::string& name, const Scores& live, const Sc
       c.mappings, c.triangulated, c.fused, c.observations_refused, c.landmarks_culled,
       c.keyframes_culled, c.relocalisations, c.joins, static_cast<long long>(c.lidar_depths),
       static_cast<long long>(c.lidar_guesses), c.carried_frames);
-  std::printf("CPU ms a frame (tracking thread): median %.1f p95 %.1f p99 %.1f max %.1f\n",
-              quantile(run.cpu_ms, 0.5), quantile(run.cpu_ms, 0.95), quantile(run.cpu_ms, 0.99),
-              quantile(run.cpu_ms, 1.0));
+  const double mean_ms = std::accumulate(run.cpu_ms.begin(), run.cpu_ms.end(), 0.0) /
+                         static_cast<double>(std::max<std::size_t>(1, run.cpu_ms.size()));
+  std::printf(
+      "CPU ms a frame (tracking thread): mean %.1f median %.1f p95 %.1f p99 %.1f max %.1f\n",
+      mean_ms, quantile(run.cpu_ms, 0.5), quantile(run.cpu_ms, 0.95), quantile(run.cpu_ms, 0.99),
+      quantile(run.cpu_ms, 1.0));
   std::printf("live poses: APE %.4f (max %.4f), RPE/frame %.4f, RPE/m %.4f m %.3f deg\n",
               live.ape_m, live.ape_max_m, live.frame_m, live.metre_m, live.metre_deg);
   std::printf(
