@@ -8,7 +8,7 @@ COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9"]  # Okabe and I
 def exponent(points):
     """The k of cost ~ size^k, least squares over the larger half of the points; None for fewer than two."""
     points = [(math.log(x), math.log(y)) for x, y in points if x > 0 and y > 0]
-    points = points[len(points) // 2 if len(points) > 3 else 0:]
+    points = points[len(points) // 2 if len(points) > 2 else 0:]
     if len(points) < 2:
         return None
     mx = sum(x for x, _ in points) / len(points)

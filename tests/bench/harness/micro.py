@@ -4,12 +4,19 @@ import json
 import re
 
 
+def duration(value, unit):
+    units = ["ns", "us", "ms", "s"]
+    while value >= 1000 and unit != "s":
+        value, unit = value / 1000, units[units.index(unit) + 1]
+    return f"{value:.3g} {unit}"
+
+
 def routines(bench):
     text = bench.call("micro_bench", "--benchmark_format=json", "--benchmark_min_time=0.05")
     if text is None:
         return
     found = json.loads(text[text.index("{"):text.rindex("}") + 1])["benchmarks"]
-    rows = [(b["name"].replace("_", " "), f"{b['cpu_time']:.3g} {b['time_unit']}") for b in found if "cpu_time" in b]
+    rows = [(b["name"].replace("_", " "), duration(b["cpu_time"], b["time_unit"])) for b in found if "cpu_time" in b]
     bench.table("Routines", "micro_bench --benchmark_min_time=0.05", ["routine", "processor time"], rows,
                 "Each hot routine beside the slow obvious one that its test compares it with")
 
