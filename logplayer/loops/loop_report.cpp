@@ -107,6 +107,41 @@ std::optional<ClosureTruth> LoopReport::judge(const LoopReportOptions& options) 
   return judged;
 }
 
+std::string LoopReport::as_relations() const {
+  std::string text;
+  for (const Closure& closure : closures_) {
+    const auto from = utime_of_.find(closure.from), to = utime_of_.find(closure.to);
+    if (from == utime_of_.end() || to == utime_of_.end()) continue;
+    const SE3 T = T_base_reference_.inverse() * closure.T_from_to * T_base_reference_;
+    const Eigen::Matrix3d R = T.linear();
+    text +=
+        say("%.6f %.6f %.6f %.6f %.6f %.9f %.9f %.9f\n", 1e-6 * static_cast<double>(from->second),
+            1e-6 * static_cast<double>(to->second), T.translation().x(), T.translation().y(),
+            T.translation().z(), std::atan2(R(2, 1), R(2, 2)),
+            std::asin(std::clamp(-R(2, 0), -1.0, 1.0)), std::atan2(R(1, 0), R(0, 0)));
+  }
+  return text;
+}
+
+std::string LoopReport::wrong_lines(const LoopReportOptions& options) const {
+  std::string text;
+  for (const Closure& closure : closures_) {
+    const auto error = true_error(closure);
+    if (!error || (error->head<3>().norm() <= options.wrong_m &&
+                   error->tail<3>().norm() <= options.wrong_rad))
+      continue;
+    const bool off = std::any_of(switched_off_.begin(), switched_off_.end(), [&](const auto& s) {
+      return node_id(s.from_kind, s.from_id) == closure.from &&
+             node_id(s.to_kind, s.to_id) == closure.to;
+    });
+    text += say("wrong: %s - %s (%s), %.2f m and %.1f degrees beside the truth%s\n",
+                name(closure.from).c_str(), name(closure.to).c_str(), closure.source.c_str(),
+                error->head<3>().norm(), error->tail<3>().norm() * 180.0 / 3.14159265358979,
+                off ? "; switched off again" : "");
+  }
+  return text;
+}
+
 std::string LoopReport::line(const loop_candidate_t& candidate) const {
   std::string text = say("%-8s %12.3f s  ", candidate.accepted != 0 ? "accepted" : "rejected",
                          1e-6 * static_cast<double>(candidate.utime));
@@ -156,6 +191,7 @@ std::string LoopReport::text(const LoopReportOptions& options) const {
             "degrees), median error %.3f m\n",
             truth->wrong, truth->judged, options.wrong_m,
             options.wrong_rad * 180.0 / 3.14159265358979, truth->median_error_m);
+    text += wrong_lines(options);
     text +=
         say("%zu m of the way led where the robot had been before, %zu m of them have a "
             "closure near\n",

@@ -45,10 +45,15 @@ class LoopReport {
   void on_constraint(const constraint_t& message);
   void on_graph(const graph_t& message);
   void on_truth(std::int64_t utime_us, const SE3& T_world_base) { truth_[utime_us] = T_world_base; }
+  void on_robot(const SE3& T_base_reference) { T_base_reference_ = T_base_reference; }
 
   std::string text(const LoopReportOptions& options) const;
   // Nothing without ground truth.
   std::optional<ClosureTruth> judge(const LoopReportOptions& options) const;
+  // The accepted closures as relations (Kuemmerle et al. 2009), one a line: "t1 t2 x y z roll pitch
+  // yaw" in s, m and rad, of the frame that trajectories are written in. `eval relations` and
+  // tests/bench/loops/closure_score read them. Closures whose nodes never came are left out.
+  std::string as_relations() const;
 
  private:
   struct Closure {
@@ -60,6 +65,7 @@ class LoopReport {
   std::optional<SE3> true_pose(const NodeId& id) const;
   std::optional<Vector6d> true_error(const Closure& closure) const;
   std::string line(const loop_candidate_t& candidate) const;
+  std::string wrong_lines(const LoopReportOptions& options) const;
 
   std::map<NodeId, std::int64_t> utime_of_;
   std::vector<loop_candidate_t> candidates_;
@@ -67,6 +73,7 @@ class LoopReport {
   std::vector<loop_state_t> switched_off_;
   std::int64_t graph_loops_ = 0;
   std::map<std::int64_t, SE3> truth_;
+  SE3 T_base_reference_ = SE3::Identity();
 };
 
 }  // namespace fusion_slam

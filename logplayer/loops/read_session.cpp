@@ -57,6 +57,7 @@ LoopReport read_session(const std::filesystem::path& session) {
     throw std::runtime_error(session.string() +
                              ": no GRAPH, LOOP_CANDIDATE or CONSTRAINT in it; give the "
                              "session.lcmlog that `fusion-slam run LOG --out DIR` leaves in DIR");
+  if (T_base_reference) report.on_robot(*T_base_reference);
   for (const auto& [utime_us, T_world_reference] : truth)
     report.on_truth(utime_us,
                     T_world_reference * T_base_reference.value_or(SE3::Identity()).inverse());

@@ -1,7 +1,8 @@
 // The back end without a bus: LiDAR mapper, loop detector and pose graph on a log (imported, or a
-// session.lcmlog, whose KEYFRAME and VISUAL_POSE are used). Writes OUT/trajectory.tum and
-// OUT/loops.txt (each decided candidate) and OUT/graph.svg, and says where the time goes,
-// what bundle adjustment did, and how honest the covariances are.
+// session.lcmlog, whose KEYFRAME and VISUAL_POSE are used). Writes OUT/trajectory.tum,
+// OUT/loops.txt (each decided candidate), OUT/closures.relations (the accepted ones) and
+// OUT/graph.svg, and says where the time goes, what bundle adjustment did, and how honest the
+// covariances are. --wrong-loop puts false closures into the graph and says what becomes of them.
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -27,6 +28,7 @@
 #include "services/pose_graph/graph_messages.hpp"
 #include "services/pose_graph/pose_graph.hpp"
 #include "tests/bench/loops/edge_nees.hpp"
+#include "tests/bench/loops/wrong_loops.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -87,6 +89,7 @@ class BackEnd {
       if (without.count("camera") > 0) robot_.has_camera = false;
       mapper_ = std::make_unique<LidarMapper>(robot_);
       detector_ = std::make_unique<LoopDetector>(robot_);
+      report_.on_robot(robot_.T_base_reference());
       if (camera_) detector_->set_camera(*camera_);
       graph_.set_robot(robot_);
     } else if (event.channel == "CAMERA_MODEL") {
@@ -144,6 +147,10 @@ class BackEnd {
         "nodes, %zu edges, %ld loops, %ld outvoted, %ld solves\n",
         c.keyframes, c.scans, c.lidar_searches, c.candidates, c.accepted, graph_.nodes().size(),
         graph_.edges().size(), g.loops, g.loops_outvoted, g.solves);
+    if (g.restarts > 0)
+      std::printf("%ld tracks started anew where nothing said how the robot had moved\n",
+                  g.restarts);
+    wrong_loops.say_remaining(graph_);
     std::printf("bundle adjustments: %ld taken over, %ld refused\n", g.bundles, g.bundles_refused);
     watch_.report();
     LoopReportOptions all;
@@ -154,6 +161,7 @@ class BackEnd {
     for (const EdgeKind kind : {EdgeKind::kVisual, EdgeKind::kLidar})
       say_chain_nees(graph_.nodes(), graph_.edges(), true_poses_, robot_.planar, kind);
     loops_ << text;
+    std::ofstream(out + "/closures.relations") << report_.as_relations();
     const std::size_t totals = text.find(" candidates, ");
     std::printf("%s", text.substr(text.rfind('\n', totals) + 1).c_str());
   }
@@ -161,6 +169,7 @@ class BackEnd {
   std::set<std::string> without;  // inputs left out: camera, lidar, odometry
   bool use_loops = true;
   bool use_bundle = true;
+  WrongLoops wrong_loops;
 
  private:
   bool left_out(const std::string& channel) const {
@@ -306,8 +315,14 @@ class BackEnd {
   }
 
   void pass_on() {
+    wrong_loops.inject(&graph_);
     for (const auto& [id, node] : graph_.take_changes()) detector_->moved(id, node.T_map_base);
     graph_.take_poses();
+    for (; switched_off_said_ < graph_.switched_off().size(); ++switched_off_said_) {
+      const LoopState& off = graph_.switched_off()[switched_off_said_];
+      detector_->switched_off(off.from, off.to);
+      wrong_loops.say_switched_off(graph_, off);
+    }
     const std::int64_t asked = graph_.counts().bundles + graph_.counts().bundles_refused;
     if (asked == bundles_said_) return;
     bundles_said_ = asked;
@@ -340,6 +355,7 @@ class BackEnd {
   PoseGraph graph_;
   TrackedSession session_;
   std::int64_t bundles_said_ = 0;
+  std::size_t switched_off_said_ = 0;
   std::ofstream loops_;
   std::ofstream truth_;
   LoopReport report_;
@@ -355,6 +371,7 @@ int main(int argc, char** argv) {
   std::string log, out = "out";
   std::set<std::string> without;
   bool no_loops = false, no_bundle = false;
+  std::vector<double> wrong_loops_s;
   app.add_option("LOG", log, "imported log or session.lcmlog")->required();
   app.add_option("--out", out, "folder");
   app.add_option("--without", without, "inputs left out: camera, lidar, odometry")
@@ -362,12 +379,17 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"camera", "lidar", "odometry"}));
   app.add_flag("--no-loops", no_loops, "find loops but keep them from the graph");
   app.add_flag("--no-bundle", no_bundle, "no global bundle adjustment");
+  app.add_option("--wrong-loop", wrong_loops_s,
+                 "so many seconds after the first node: a false closure put in by hand, which says "
+                 "that the robot is where it was at half that time; several: a,b")
+      ->delimiter(',');
   CLI11_PARSE(app, argc, argv);
   std::filesystem::create_directories(out);
   fusion_slam::BackEnd back_end(out);
   back_end.without = without;
   back_end.use_loops = !no_loops;
   back_end.use_bundle = !no_bundle;
+  back_end.wrong_loops = fusion_slam::WrongLoops(wrong_loops_s);
   fusion_slam::LogReader reader(log);
   fusion_slam::LogEvent event;
   while (reader.next(&event)) back_end.on(event);

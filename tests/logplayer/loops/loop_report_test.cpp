@@ -96,6 +96,39 @@ TEST(LoopReport, JudgesClosuresByTheTruth) {
   EXPECT_FALSE(LoopReport().judge({}));
 }
 
+TEST(LoopReport, NamesTheWrongOnesAndWhetherTheGraphFoundThemOut) {
+  LoopReport report = there_and_back();
+  report.on_constraint(constraint(20, 61, from_xyz_rpy(-1.0, 0, 0, 0, 0, 0)));
+  report.on_constraint(constraint(30, 70, from_xyz_rpy(-19.0, 0, 0, 0, 0, 0)));
+  EXPECT_NE(
+      report.text({}).find("wrong: scan 30 - scan 70 (lidar loop), 1.00 m and 0.0 degrees beside "
+                           "the truth\n"),
+      std::string::npos)
+      << report.text({});
+  EXPECT_EQ(report.text({}).find("wrong: scan 20"), std::string::npos);
+  graph_t graph{};
+  loop_state_t off{};
+  off.from_kind = off.to_kind = graph_node_t::LIDAR;
+  off.from_id = 30;
+  off.to_id = 70;
+  graph.switched_off.push_back(off);
+  report.on_graph(graph);
+  EXPECT_NE(report.text({}).find("beside the truth; switched off again\n"), std::string::npos);
+}
+
+TEST(LoopReport, WritesClosuresAsRelations) {
+  LoopReport report = there_and_back();
+  report.on_constraint(constraint(10, 70, from_xyz_rpy(1.0, 0, 0, 0, 0, M_PI / 2)));
+  report.on_constraint(constraint(10, 700, SE3::Identity()));  // no such node
+  EXPECT_EQ(
+      report.as_relations(),
+      "10.000000 70.000000 1.000000 0.000000 0.000000 0.000000000 -0.000000000 1.570796327\n");
+  report.on_robot(from_xyz_rpy(0.5, 0, 0, 0, 0, 0));  // a camera half a metre ahead of the base
+  EXPECT_EQ(
+      report.as_relations(),
+      "10.000000 70.000000 0.500000 0.500000 0.000000 0.000000000 -0.000000000 1.570796327\n");
+}
+
 TEST(ReadSession, AFileWithoutLoopsIsNamed) {
   const auto file = std::filesystem::path(::testing::TempDir()) / "loops_empty.lcmlog";
   std::ofstream(file, std::ios::binary) << "no log";

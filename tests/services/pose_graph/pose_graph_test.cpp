@@ -244,6 +244,29 @@ TEST(PoseGraph, AWrongLoopIsSwitchedOffAndReported) {
   EXPECT_LT((after.translation() - before.translation()).norm(), 0.02);
 }
 
+// Each whole solve moves the newest nodes by a product of three poses: without care the rounding
+// errors of their rotations triple each time, and after forty solves they are no rotations.
+TEST(PoseGraph, RotationsStayRotationsAfterManySolves) {
+  PoseGraph graph;
+  graph.set_robot(robot(true, false));
+  Tracker camera{NodeKind::kKeyframe, kFrameUs, 10, 0.0005};
+  const auto node = [](std::int64_t id) { return NodeId{NodeKind::kKeyframe, id}; };
+  run(&graph, &camera, nullptr, 1'000'000);
+  for (std::int64_t k = 1; k <= 60; ++k) {  // two stories in turn: no solve satisfies both
+    const SE3 T = truth(graph.nodes().at(node(1)).utime_us).inverse() *
+                  truth(graph.nodes().at(node(camera.nodes)).utime_us) *
+                  from_xyz_rpy(k % 2 == 0 ? 0.5 : -0.5, 0, 0, 0, 0, 0);
+    graph.add_loop({node(1), node(camera.nodes), T, Matrix6d::Identity() * 1e-4, {}});
+    run(&graph, &camera, nullptr, 1'000'000 + k * 1'200'000);
+  }
+  EXPECT_GT(graph.counts().solves, 100);
+  for (const auto& [id, at] : graph.nodes()) {
+    const Eigen::Matrix3d R = at.T_map_base.linear();
+    EXPECT_LT((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-12)
+        << id.id;
+  }
+}
+
 TEST(PoseGraph, ALoopWaitsForItsNodes) {
   PoseGraph graph;
   graph.add_loop(
