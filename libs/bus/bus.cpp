@@ -67,11 +67,47 @@ void Bus::publish_tile(const std::string& channel, tile_t tile) {
   if (impl_->recovering) return;
   impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
-  tile.seq = impl_->outbox.next_seq(channel);
-  tile.revision += impl_->first_revision;
+  const auto cleared = impl_->cleared_revision.find(channel);
+  tile.revision +=
+      cleared == impl_->cleared_revision.end() ? impl_->first_revision : cleared->second;
+  impl_->send_tile(channel, std::move(tile));
+}
+
+void Bus::forget_sent(const std::string& channel) {
+  const std::lock_guard<std::mutex> lock(impl_->out_mutex);
+  impl_->outbox.forget(channel);
+}
+
+void Bus::clear_tiles(const std::string& channel) {
+  if (impl_->recovering) return;
+  std::vector<tile_t> gone;
+  std::int64_t newest = impl_->first_revision;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->out_mutex);
+    for (const auto& bytes : impl_->outbox.tiles(channel)) {
+      auto tile = bus_detail::decode<tile_t>(bytes.data(), bytes.size());
+      newest = std::max(newest, tile.revision);
+      if (tile.encoding != tile_t::EMPTY) gone.push_back(std::move(tile));
+    }
+    ++newest;
+    impl_->cleared_revision[channel] = newest;
+  }
+  for (tile_t& tile : gone) {
+    tile.encoding = tile_t::EMPTY;
+    tile.data.clear();
+    tile.size_bytes = 0;
+    tile.revision = newest;
+    impl_->pace();
+    const std::lock_guard<std::mutex> lock(impl_->out_mutex);
+    impl_->send_tile(channel, std::move(tile));
+  }
+}
+
+void Bus::Impl::send_tile(const std::string& channel, tile_t tile) {
+  tile.seq = outbox.next_seq(channel);
   const auto bytes = bus_detail::encode(tile);
-  impl_->outbox.sent_tile(channel, {tile.submap_id, tile.x, tile.y, tile.z}, tile.revision, bytes);
-  impl_->send(channel, bytes);
+  outbox.sent_tile(channel, {tile.submap_id, tile.x, tile.y, tile.z}, tile.revision, bytes);
+  send(channel, bytes);
 }
 
 void Bus::run() {

@@ -87,6 +87,11 @@ class Bus {
   // Sends a tile and keeps it: the newest of each key is sent again to whoever asks, and
   // <CHANNEL>_INDEX says what there is.
   void publish_tile(const std::string& channel, tile_t tile);
+  // What was sent on the channel is not sent again to whoever asks for it by number.
+  void forget_sent(const std::string& channel);
+  // Says of every tile of the channel that it is gone (EMPTY, newer than any before). Tiles that
+  // follow may count their revisions from 1 again.
+  void clear_tiles(const std::string& channel);
   // Handler called on the reader's thread at once, outside lockstep and queues; for STATUS, RESEND
   // and the like.
   template <class Message>

@@ -91,6 +91,9 @@ struct Bus::Impl {
   mutable std::mutex out_mutex;  // of the outbox side
   Outbox outbox;
   std::int64_t first_revision = 0;  // live: added to tiles', larger than an earlier process's
+  // By channel, after clear_tiles(): added instead, larger than any that was sent.
+  std::map<std::string, std::int64_t> cleared_revision;
+  void send_tile(const std::string& channel, tile_t tile);  // out_mutex held; revision as it is
   std::int64_t burst_begin_us = 0;
   int burst_messages = 0;
   std::size_t burst_bytes = 0;

@@ -35,6 +35,20 @@ void Outbox::sent_tile(const std::string& channel, const TileKey& key, std::int6
   channels_[channel].tiles[key] = {revision, bytes};
 }
 
+void Outbox::forget(const std::string& name) {
+  Channel& channel = channels_[name];
+  channel.recent.clear();
+  channel.recent_bytes = 0;
+}
+
+std::vector<Outbox::Bytes> Outbox::tiles(const std::string& name) const {
+  std::vector<Bytes> result;
+  const auto channel = channels_.find(name);
+  if (channel == channels_.end()) return result;
+  for (const auto& [key, tile] : channel->second.tiles) result.push_back(tile.bytes);
+  return result;
+}
+
 void Outbox::sent_once(const std::string& name, std::size_t size_bytes) {
   Channel& channel = channels_[name];
   ++channel.count;

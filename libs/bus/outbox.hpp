@@ -31,6 +31,9 @@ class Outbox {
   void sent_tile(const std::string& channel, const TileKey& key, std::int64_t revision,
                  const Bytes& bytes);
 
+  void forget(const std::string& channel);  // the latest messages; numbers and tiles stay
+  std::vector<Bytes> tiles(const std::string& channel) const;  // the newest of each key
+
   // Records a message that is never asked for again (STATUS and the like): counted, not kept.
   void sent_once(const std::string& channel, std::size_t size_bytes);
 

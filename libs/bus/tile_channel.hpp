@@ -20,6 +20,8 @@ class TilePublisher {
 
   // Sends the tile and keeps it for late listeners until a newer revision of the same key comes.
   void publish(const Tile& tile);
+  // All tiles are gone, and listeners hear of it; what follows may count from revision 1 again.
+  void clear() { bus_.clear_tiles(channel_); }
 
  private:
   Bus& bus_;

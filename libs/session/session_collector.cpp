@@ -18,6 +18,12 @@ std::int64_t add_count(std::int64_t total, std::int64_t count) {
 
 }  // namespace
 
+void SessionCollector::begin_like(const SessionCollector& before) {
+  robot_ = before.robot_;
+  camera_model_ = before.camera_model_;
+  statuses_ = before.statuses_;
+}
+
 void SessionCollector::on_robot_model(const robot_model_t& message) {
   std::string why;
   if (const auto robot = from_message(message, &why))

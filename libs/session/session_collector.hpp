@@ -58,6 +58,9 @@ struct SessionResult {
 
 class SessionCollector {
  public:
+  // The map began anew: what `before` knows of the robot, its camera and the processes stays true.
+  void begin_like(const SessionCollector& before);
+
   void on_robot_model(const robot_model_t& message);
   void on_camera_model(const camera_model_t& message);
   void on_camera(std::int64_t utime_us);

@@ -31,7 +31,8 @@ DenseMapper::DenseMapper(const CameraModel& camera, const RobotModel& robot,
       grid_(robot.map_resolution_m) {}
 
 std::int64_t DenseMapper::submap_of(std::int64_t keyframe_id) const {
-  return (keyframe_id - 1) / config_.keyframes_per_submap * config_.keyframes_per_submap + 1;
+  const std::int64_t n = config_.keyframes_per_submap;
+  return std::max(first_id_, (keyframe_id - 1) / n * n + 1);
 }
 
 SE3 DenseMapper::pose_of(std::int64_t keyframe_id) const {

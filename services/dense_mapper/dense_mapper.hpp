@@ -46,6 +46,9 @@ class DenseMapper {
  public:
   DenseMapper(const CameraModel& camera, const RobotModel& robot, const DenseMapperConfig& config);
 
+  // The graph begins with this keyframe (after a reset ids count on); before set_pose(). 1 unless
+  // said.
+  void begin_at(std::int64_t id) { first_id_ = id; }
   // Id 1, 2, 3 ... False: the image does not fit the camera model, or this id came before; ignored.
   bool add_keyframe(std::int64_t id, const RgbdFrame& frame);
   // Where the graph has a keyframe's base now; utime_us: of the graph's newest measurement.
@@ -107,6 +110,7 @@ class DenseMapper {
   CameraModel camera_;
   RobotModel robot_;
   DenseMapperConfig config_;
+  std::int64_t first_id_ = 1;                   // of the graph's keyframes
   std::map<std::int64_t, SE3> T_map_base_;      // of keyframes, by the graph
   std::map<std::int64_t, DepthCloud> waiting_;  // for a pose
   std::set<std::int64_t> integrated_;

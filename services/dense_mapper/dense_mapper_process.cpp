@@ -72,6 +72,7 @@ void DenseMapperProcess::on_keyframe_image(const keyframe_image_t& message) {
 }
 
 void DenseMapperProcess::add_keyframe(const keyframe_image_t& message) {
+  if (!reset_.passes(message.utime)) return;
   std::string why;
   const auto frame = from_message(message.images, &why);
   if (!frame) {
@@ -95,23 +96,40 @@ void DenseMapperProcess::on_graph(const graph_t& message) {
 // anchor from after. False: more parts come.
 bool DenseMapperProcess::take_graph(const graph_t& message) {
   for (const graph_node_t& node : message.nodes) {
-    if (node.kind != graph_node_t::KEYFRAME) continue;
+    if (node.kind != graph_node_t::KEYFRAME || !reset_.passes(node.utime)) continue;
     if (const auto T_map_base = from_message(node.T_map_base))
       moved_[node.id] = *T_map_base;
     else
       bus_.report_error("GRAPH: pose of keyframe " + std::to_string(node.id) + " is not a pose");
   }
   if (message.part + 1 < message.n_parts) return false;
+  if (begins_anew_ && !moved_.empty()) {
+    mapper_->begin_at(moved_.begin()->first);
+    begins_anew_ = false;
+  }
   for (const auto& [id, T_map_base] : moved_) mapper_->set_pose(id, T_map_base, message.utime);
   moved_.clear();
   return true;
 }
 
 void DenseMapperProcess::on_command(const command_t& message) {
+  if (reset_.asks(message)) return reset();
   if (message.verb != "finish") return;
   if (!message.target.empty() && message.target != "dense_mapper") return;
   finished_ = true;
   if (mapper_) integrate_and_publish();
+}
+
+void DenseMapperProcess::reset() {
+  early_images_.clear();
+  early_graph_.clear();
+  moved_.clear();
+  finished_ = false;
+  begins_anew_ = true;
+  for (TilePublisher* out : {&octomap_out_, &cloud_out_, &grid_out_}) out->clear();
+  if (!mapper_) return;
+  mapper_ = std::make_unique<DenseMapper>(*camera_, *robot_, DenseMapperConfig{});
+  integrate_and_publish();
 }
 
 void DenseMapperProcess::integrate_and_publish() {

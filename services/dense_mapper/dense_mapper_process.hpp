@@ -15,6 +15,7 @@
 #include "fusion_slam/keyframe_image_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/reset_gate.hpp"
 #include "libs/bus/tile_channel.hpp"
 #include "services/dense_mapper/dense_mapper.hpp"
 
@@ -31,12 +32,14 @@ class DenseMapperProcess {
   void on_graph(const graph_t& message);
   void on_command(const command_t& message);
   void start_when_ready();
+  void reset();
   void add_keyframe(const keyframe_image_t& message);
   bool take_graph(const graph_t& message);
   void integrate_and_publish();
   void publish_level(const LevelWish& wish);
 
   Bus& bus_;
+  ResetGate reset_{"dense_mapper"};
   TilePublisher octomap_out_;
   TilePublisher cloud_out_;
   TilePublisher grid_out_;
@@ -47,6 +50,7 @@ class DenseMapperProcess {
   std::vector<graph_t> early_graph_;
   std::map<std::int64_t, SE3> moved_;  // keyframes, by the parts of a GRAPH that have come
   bool finished_ = false;              // after COMMAND finish each input is answered at once
+  bool begins_anew_ = false;           // after COMMAND reset, until the new graph's first keyframe
 };
 
 }  // namespace fusion_slam

@@ -46,6 +46,8 @@ void FuserProcess::on_graph(const graph_t& message) {
     return;
   }
   for (const graph_node_t& node : message.nodes) {
+    if (!reset_.passes(node.utime)) continue;
+    at_once_ = false;
     if (node.kind != graph_node_t::LIDAR) continue;
     const auto T_map_submap = from_message(node.T_map_base);
     if (T_map_submap)
@@ -74,14 +76,21 @@ void FuserProcess::add_tile(const Tile& tile, bool visual) {
 }
 
 void FuserProcess::on_command(const command_t& message) {
+  if (reset_.asks(message)) {
+    finished_ = false;
+    at_once_ = true;
+    early_graph_.clear();
+    return publish_if_due();
+  }
   if (message.verb != "finish" || !(message.target.empty() || message.target == "fuser")) return;
   finished_ = true;
   publish_if_due();
 }
 
 void FuserProcess::publish_if_due() {
-  if (!fuser_ || !(finished_ || fuser_->due())) return;
-  const FuserOutput output = fuser_->update(finished_);
+  const bool exact = finished_ || at_once_;
+  if (!fuser_ || !(exact || fuser_->due())) return;
+  const FuserOutput output = fuser_->update(exact);
   for (const Tile& tile : output.lidar) lidar_out_.publish(tile);
   for (const Tile& tile : output.fused) fused_out_.publish(tile);
 }

@@ -11,6 +11,7 @@
 #include "fusion_slam/graph_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/reset_gate.hpp"
 #include "libs/bus/tile_channel.hpp"
 #include "services/fuser/fuser.hpp"
 
@@ -29,10 +30,14 @@ class FuserProcess {
   void publish_if_due();
 
   Bus& bus_;
+  ResetGate reset_{"fuser"};
   TilePublisher lidar_out_;
   TilePublisher fused_out_;
   std::unique_ptr<Fuser> fuser_;  // made when ROBOT_MODEL has said the resolution
   bool finished_ = false;         // after COMMAND finish each input is answered at once
+  // So it is after COMMAND reset, until the new map begins: the map is what the inputs say, the
+  // mappers say of each old tile that it is gone, and the sensors may say nothing any more.
+  bool at_once_ = false;
   // What came before ROBOT_MODEL.
   std::map<TileKey, Tile> early_submap_;
   std::map<TileKey, Tile> early_visual_;

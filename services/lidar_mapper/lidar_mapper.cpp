@@ -85,6 +85,12 @@ ScanMatch LidarMapper::place(const ScanPoints& points, bool usable, const Predic
   filter_.predict(prediction.motion, prediction.covariance());
   const SE2 T_odom_predicted = T_odom_base_ * prediction.motion;
   if (!usable) return dead_reckon(T_odom_predicted, prediction, "too few beams returned");
+  if (submaps_.empty()) {  // after reset()
+    ScanMatch first;
+    first.T_odom_base = T_odom_predicted;
+    first.state = MatchState::kOk;
+    return first;
+  }
   if (!pyramid_) pyramid_ = std::make_unique<SearchPyramid>(submaps_.oldest().raster());
   return match_scan(submaps_.oldest(), *pyramid_, points, T_odom_predicted, prediction,
                     filter_.covariance(), robot_, config_);
@@ -105,7 +111,7 @@ void LidarMapper::accept(const ScanMatch& match, const Prediction& prediction,
                         .matrix()
                         .asDiagonal());
   }
-  if (match.state == MatchState::kOk && node_id_ != 0) {
+  if (match.state == MatchState::kOk && !submaps_.empty()) {
     const SE2 error = (T_odom_base_ * prediction.motion).inverse() * match.T_odom_base;
     // Only what the match saw better than the prediction knew.
     const Eigen::Vector3d before = predicted.diagonal();
@@ -143,8 +149,8 @@ LidarNode LidarMapper::make_node(const ScanPoints& points, std::int64_t utime_us
   node.id = node_id_ + 1;
   node.utime_us = utime_us;
   node.T_odom_base = T_odom_base_;
-  node.previous_id = node_id_;
-  if (node_id_ != 0) {
+  node.previous_id = chain_begins_ ? 0 : node_id_;
+  if (!chain_begins_) {
     node.T_previous_base = T_odom_node_.inverse() * T_odom_base_;
     node.covariance = filter_.since_node(node.T_previous_base);
   }
@@ -157,6 +163,7 @@ LidarNode LidarMapper::make_node(const ScanPoints& points, std::int64_t utime_us
   node.submaps = submaps_.inserted_into();
   node.points_base = points.hits_base;
   node_id_ = node.id;
+  chain_begins_ = false;
   T_odom_node_ = T_odom_base_;
   if (new_map) {
     lost_in_a_row_ = 0;
@@ -181,6 +188,15 @@ LidarPose LidarMapper::make_pose_estimate(const ScanMatch& match, double late_s)
   pose.fix_utime_us = last_fix_us_;
   pose.n_matched = match.overlap.n_matched;
   return pose;
+}
+
+void LidarMapper::reset() {
+  submaps_ = ActiveSubmaps(robot_.map_resolution_m, config_);
+  pyramid_.reset();
+  filter_.reset();
+  chain_begins_ = true;
+  lost_in_a_row_ = 0;
+  nodes_since_publication_ = 0;
 }
 
 std::vector<Tile> LidarMapper::finish() {

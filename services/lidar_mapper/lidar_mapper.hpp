@@ -74,6 +74,10 @@ class LidarMapper {
 
   MapperOutput add_scan(const LaserScan& scan);
 
+  // Forgets the map: the next scan begins a new one, where this one's odom has the robot. Ids count
+  // on, and the first node has none before it.
+  void reset();
+
   // What add_scan still held back: the changed tiles of the active submaps. Mapping may go on
   // afterwards.
   std::vector<Tile> finish();
@@ -101,6 +105,7 @@ class LidarMapper {
   std::int64_t last_fix_us_ = 0;
   int lost_in_a_row_ = 0;
   std::int64_t node_id_ = 0;  // last node
+  bool chain_begins_ = true;  // the next node has none before it
   SE2 T_odom_node_;
   int nodes_since_publication_ = 0;
   MapperCounts counts_;

@@ -106,6 +106,7 @@ void LidarMapperProcess::on_scan(const bot_core::planar_lidar_t& message) {
   std::string why;
   auto scan = from_message(message, &why);
   if (!scan) return bus_.report_error("LIDAR scan dropped: " + why);
+  reset_.passes(scan->utime_us);
   if (mapper_) handle_scans(kEverything);  // no scan waits longer than for the next one
   waiting_.push_back(std::move(*scan));
   if (waiting_.size() > kMostWaiting) {
@@ -140,6 +141,11 @@ void LidarMapperProcess::on_visual_pose(const pose_estimate_t& message) {
 }
 
 void LidarMapperProcess::on_command(const command_t& message) {
+  if (reset_.asks(message) && mapper_) {
+    mapper_->reset();
+    submap_tiles_.clear();
+    return say_state();
+  }
   const bool for_us = message.target.empty() || message.target == "lidar_mapper";
   if (!for_us || message.verb != "finish" || !mapper_) return;
   handle_scans(kEverything);

@@ -11,6 +11,7 @@
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/reset_gate.hpp"
 #include "libs/bus/tile_channel.hpp"
 #include "services/lidar_mapper/lidar_mapper.hpp"
 
@@ -35,6 +36,7 @@ class LidarMapperProcess {
   void say_state();
 
   Bus& bus_;
+  ResetGate reset_{"lidar_mapper"};
   TilePublisher submap_tiles_;
   std::optional<LidarMapper> mapper_;  // made when the first ROBOT_MODEL comes
   // Scans that wait for the model, or for the odometry of their time.

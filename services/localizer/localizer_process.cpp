@@ -76,7 +76,11 @@ LocalizerProcess::LocalizerProcess(Bus& bus, const std::filesystem::path& map_di
                                 [this](const camera_model_t& m) { on_camera_model(m); });
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                            [this](const command_t& m) { on_command(m); });
-  if (bus.mode() == Mode::kLive) bus.every(1000, [this] { publish_all_nodes(); });
+  if (bus.mode() == Mode::kLive)  // for who listens late
+    bus.every(1000, [this] {
+      publish_all_nodes();
+      publish_localization(newest_us_);
+    });
   MapPublisher(bus_, state_).say_tiles();  // the map is seen at once
   publish_localization(0);
 }

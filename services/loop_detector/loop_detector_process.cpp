@@ -72,6 +72,7 @@ void LoopDetectorProcess::on_keyframe(const keyframe_t& message) {
   std::string why;
   std::optional<LoopKeyframe> keyframe = from_message(message, &why);
   if (!keyframe) return bus_.report_error("KEYFRAME refused: " + why);
+  if (!reset_.passes(message.utime)) return;
   if (detector_ && camera_) return publish(detector_->add(std::move(*keyframe)));
   if (early_keyframes_.size() >= kMaxEarly)
     return bus_.report_error("KEYFRAME dropped: no CAMERA_MODEL or ROBOT_MODEL yet");
@@ -82,6 +83,7 @@ void LoopDetectorProcess::on_lidar_node(const lidar_node_t& message) {
   std::string why;
   std::optional<LoopScan> scan = from_message(message, &why);
   if (!scan) return bus_.report_error("LIDAR_NODE refused: " + why);
+  if (!reset_.passes(message.utime)) return;
   if (detector_) return publish(detector_->add(*scan));
   if (early_scans_.size() >= kMaxEarly)
     return bus_.report_error("LIDAR_NODE dropped: no ROBOT_MODEL yet");
@@ -91,7 +93,8 @@ void LoopDetectorProcess::on_lidar_node(const lidar_node_t& message) {
 void LoopDetectorProcess::on_graph(const graph_t& message) {
   if (!detector_) return;
   for (const graph_node_t& node : message.nodes)
-    if (node.kind == graph_node_t::KEYFRAME || node.kind == graph_node_t::LIDAR)
+    if (reset_.passes(node.utime) &&
+        (node.kind == graph_node_t::KEYFRAME || node.kind == graph_node_t::LIDAR))
       if (const std::optional<SE3> T_map_base = from_message(node.T_map_base))
         detector_->moved({kind_of(node.kind), node.id}, *T_map_base);
   for (const loop_state_t& loop : message.switched_off) {
@@ -102,14 +105,19 @@ void LoopDetectorProcess::on_graph(const graph_t& message) {
 }
 
 void LoopDetectorProcess::on_command(const command_t& message) {
-  const bool for_us = message.target.empty() || message.target == "loop_detector";
-  if (!for_us) return;
-  if (message.verb == "finish" && detector_) publish(detector_->finish());
-  if (message.verb == "reset" && robot_) {
+  if (reset_.asks(message)) {
+    early_keyframes_.clear();
+    early_scans_.clear();
+    early_tiles_.clear();
+    known_off_.clear();
+    if (bus_.mode() == Mode::kLive) bus_.forget_sent("LOOP_CANDIDATE");
+    if (!detector_) return;
     detector_ = std::make_unique<LoopDetector>(*robot_, config_);
     if (camera_) detector_->set_camera(*camera_);
-    known_off_.clear();
+    return say_state();
   }
+  const bool for_us = message.target.empty() || message.target == "loop_detector";
+  if (for_us && message.verb == "finish" && detector_) publish(detector_->finish());
 }
 
 void LoopDetectorProcess::publish(const std::vector<LoopCandidate>& decided) {

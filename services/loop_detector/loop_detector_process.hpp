@@ -14,6 +14,7 @@
 #include "fusion_slam/graph_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/reset_gate.hpp"
 #include "libs/bus/tile_channel.hpp"
 #include "services/loop_detector/loop_detector.hpp"
 #include "services/loop_detector/loop_messages.hpp"
@@ -38,6 +39,7 @@ class LoopDetectorProcess {
   void say_state();
 
   Bus& bus_;
+  ResetGate reset_{"loop_detector"};
   LoopDetectorConfig config_;
   TileReceiver submap_tiles_;
   std::optional<CameraModel> camera_;

@@ -7,6 +7,7 @@
 namespace fusion_slam {
 
 void SubmapStore::add_tile(const Tile& tile) {
+  if (tile.encoding == TileEncoding::kEmpty && submaps_.count(tile.key.submap_id) == 0) return;
   Submap& submap = submaps_[tile.key.submap_id];
   const auto known = submap.tiles.find(tile.key);
   if (known != submap.tiles.end() && known->second.revision >= tile.revision) return;

@@ -57,6 +57,13 @@ void PoseGraph::add_loop(const LoopInput& loop) {
   settle();
 }
 
+void PoseGraph::start_anew() {
+  PoseGraph fresh(config_);
+  fresh.robot_ = robot_;
+  fresh.camera_ = camera_;
+  *this = std::move(fresh);
+}
+
 void PoseGraph::finish() {
   finishing_ = true;
   meet_global_solve(true);

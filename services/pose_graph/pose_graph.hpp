@@ -59,7 +59,8 @@ class PoseGraph {
   // libs/geometry). Poses between nodes stay as they are. False, with a reason, for planar robots
   // and unknown nodes.
   bool level_map(const NodeId& id, const SE3& T_level_id, std::string* why);
-  void finish();  // the input has ended: place and say what still waits, then solve
+  void start_anew();  // forgets all but the robot and the camera
+  void finish();      // the input has ended: place and say what still waits, then solve
 
   // Nodes that are new or moved (more than 1 mm or 0.1 mrad) since the last call; grows the
   // revision when there are any. After level_map(): all of them.

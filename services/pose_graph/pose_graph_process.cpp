@@ -31,8 +31,8 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus) {
   bus.subscribe<lidar_node_t>("LIDAR_NODE", Policy::kKeepAll, on(&PoseGraphProcess::on_lidar_node));
   bus.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll, on(&PoseGraphProcess::on_constraint));
   bus.subscribe<constraint_t>("LEVEL", Policy::kKeepAll, on(&PoseGraphProcess::on_level));
-  // What the graph is made of; poses between only serve the moment.
-  bus.keep_in_journal({"ROBOT_MODEL", "KEYFRAME", "LIDAR_NODE", "CONSTRAINT", "LEVEL"});
+  // What the graph is made of, and where it began anew; poses between only serve the moment.
+  bus.keep_in_journal({"ROBOT_MODEL", "KEYFRAME", "LIDAR_NODE", "CONSTRAINT", "LEVEL", "COMMAND"});
   bus.subscribe<bot_core::pose_t>("ODOMETRY", Policy::kKeepAll, on(&PoseGraphProcess::on_odometry));
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll, on(&PoseGraphProcess::on_command));
   const auto on_pose_of = [this](NodeKind sensor) {
@@ -63,6 +63,7 @@ void PoseGraphProcess::on_camera(const camera_model_t& message) {
 }
 
 void PoseGraphProcess::on_keyframe(const keyframe_t& message) {
+  if (!reset_.passes(message.utime)) return;
   if (const auto node = node_from(message))
     graph_.add_node(*node);
   else
@@ -70,6 +71,7 @@ void PoseGraphProcess::on_keyframe(const keyframe_t& message) {
 }
 
 void PoseGraphProcess::on_lidar_node(const lidar_node_t& message) {
+  if (!reset_.passes(message.utime)) return;
   if (const auto node = node_from(message))
     graph_.add_node(*node);
   else
@@ -77,7 +79,7 @@ void PoseGraphProcess::on_lidar_node(const lidar_node_t& message) {
 }
 
 void PoseGraphProcess::on_pose(NodeKind sensor, const pose_estimate_t& message) {
-  graph_.add_pose(pose_from(sensor, message));
+  if (reset_.passes(message.utime)) graph_.add_pose(pose_from(sensor, message));
 }
 
 void PoseGraphProcess::on_odometry(const bot_core::pose_t& message) {
@@ -88,6 +90,7 @@ void PoseGraphProcess::on_odometry(const bot_core::pose_t& message) {
 }
 
 void PoseGraphProcess::on_constraint(const constraint_t& message) {
+  if (!reset_.passes(message.utime)) return;
   if (const auto loop = loop_from(message))
     graph_.add_loop(*loop);
   else
@@ -97,6 +100,7 @@ void PoseGraphProcess::on_constraint(const constraint_t& message) {
 // A prior on a node's z, roll and pitch. Its covariance says no more than that: the other three are
 // free, so the smallest motion of the map satisfies it.
 void PoseGraphProcess::on_level(const constraint_t& message) {
+  if (!reset_.passes(message.utime)) return;
   const auto T_level_id = from_message(message.T_from_to);
   if (!T_level_id || message.from_kind != graph_node_t::MAP || !is_node_kind(message.to_kind))
     return reject("LEVEL", "the motion is not rigid, or not from the map to a node");
@@ -106,14 +110,16 @@ void PoseGraphProcess::on_level(const constraint_t& message) {
 }
 
 void PoseGraphProcess::on_command(const command_t& message) {
+  if (reset_.asks(message)) {
+    graph_.start_anew();
+    last_complete_ = 0;
+    publish_complete();
+    return say_state();
+  }
   if (!message.target.empty() && message.target != "pose_graph") return;
   if (message.verb == "finish") {
     graph_.finish();
     publish_news();
-    publish_complete();
-  } else if (message.verb == "reset") {
-    graph_ = PoseGraph();
-    last_complete_ = 0;
     publish_complete();
   }
 }

@@ -14,6 +14,7 @@
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/reset_gate.hpp"
 #include "services/pose_graph/pose_graph.hpp"
 
 namespace fusion_slam {
@@ -41,6 +42,7 @@ class PoseGraphProcess {
   void say_state();
 
   Bus& bus_;
+  ResetGate reset_{"pose_graph"};
   PoseGraph graph_;
   std::int64_t last_complete_ = 0;  // revision
 };

@@ -90,8 +90,7 @@ void VisualOdometryProcess::on_graph(const graph_t& message) {
 }
 
 void VisualOdometryProcess::on_command(const command_t& message) {
-  const bool for_us = message.target.empty() || message.target == "visual_odometry";
-  if (for_us && message.verb == "reset" && odometry_) odometry_->reset();
+  if (reset_.asks(message) && odometry_) odometry_->reset();
 }
 
 void VisualOdometryProcess::on_camera(const bot_core::images_t& message) {

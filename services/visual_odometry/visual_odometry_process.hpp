@@ -13,6 +13,7 @@
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/reset_gate.hpp"
 #include "services/visual_odometry/visual_odometry.hpp"
 
 namespace fusion_slam {
@@ -36,6 +37,7 @@ class VisualOdometryProcess {
   void publish_keyframe(const Keyframe& keyframe, const bot_core::images_t& images);
 
   Bus& bus_;
+  ResetGate reset_{"visual_odometry"};
   VisualOdometryConfig config_;
   std::optional<CameraModel> camera_;
   std::optional<RobotModel> robot_;

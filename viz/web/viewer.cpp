@@ -92,6 +92,7 @@ void run_live(const ViewerOptions& options) {
   });
   ItemStore store;
   ViewerState state(store, wall_us);
+  if (!options.lab.empty()) state.set_lab(load_lab_config(options.lab));
   ViewerProcess process(bus, state);
   Commands commands(
       state, options.save_directory,

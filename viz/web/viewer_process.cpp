@@ -1,6 +1,6 @@
 #include "viz/web/viewer_process.hpp"
 
-#include "fusion_slam/command_t.hpp"
+#include "viz/web/loop_history.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -28,11 +28,15 @@ ViewerProcess::ViewerProcess(Bus& bus, ViewerState& state) : bus_(bus), state_(s
   show<pose_estimate_t>("VISUAL_POSE", Policy::kKeepAll);
   show<pose_estimate_t>("LIDAR_POSE", Policy::kKeepAll);
   show<pose_estimate_t>("POSE", Policy::kKeepAll);
+  show<pose_estimate_t>("LOCALIZATION", Policy::kKeepAll);
   show<keyframe_t>("KEYFRAME", Policy::kKeepAll);
   show<lidar_node_t>("LIDAR_NODE", Policy::kKeepAll);
   show<graph_t>("GRAPH", Policy::kKeepAll);
   show<loop_candidate_t>("LOOP_CANDIDATE", Policy::kKeepAll);
   show<constraint_t>("CONSTRAINT", Policy::kKeepAll);
+  show<command_t>("COMMAND", Policy::kKeepAll);
+  bus.listen<status_t>("STATUS", [&bus, history = std::make_shared<LoopHistory>()](
+                                     const status_t& status) { history->hear(status, bus); });
   // Not out of a queue: what is shown once and never asked for again, so that rates are those of
   // the network, and health, which has to be seen when everything else is stuck.
   hear<bot_core::images_t>("CAMERA");

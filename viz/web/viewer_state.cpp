@@ -132,6 +132,8 @@ void ViewerState::on(const std::string& channel, const pose_estimate_t& message)
   const std::lock_guard<std::mutex> lock(mutex_);
   if (channel == "VISUAL_POSE") return session_->on_visual_pose(message);
   if (channel == "LIDAR_POSE") return session_->on_lidar_pose(message);
+  if (channel == "LOCALIZATION") return put_localization(message);
+  if (!reset_.passes(message.utime)) return;
   session_->on_pose(message);
   const auto T_map_base = from_message(message.T_frame_base);
   if (!T_map_base) return;
@@ -144,6 +146,32 @@ void ViewerState::on(const std::string& channel, const pose_estimate_t& message)
   }
   const double sigma_m = std::sqrt(std::max(0.0, message.covariance[0] + message.covariance[7]));
   put_pose("slam", message.utime, *T_map_base, message.state, message.reason, sigma_m);
+}
+
+// Where the robot is in a saved map, and how that is known; the localizer says it.
+void ViewerState::put_localization(const pose_estimate_t& message) {
+  const auto T_map_base = from_message(message.T_frame_base);
+  const bool somewhere =
+      message.state == pose_estimate_t::OK || message.state == pose_estimate_t::WEAK;
+  const char* const state = message.state == pose_estimate_t::OK     ? "localized"
+                            : message.state == pose_estimate_t::WEAK ? "candidate"
+                                                                     : "unknown";
+  // "LOCALIZED: why" on the wire.
+  const std::size_t colon = message.reason.find(": ");
+  Json json = {
+      {"utime", message.utime},
+      {"state", state},
+      {"reason", colon == std::string::npos ? message.reason : message.reason.substr(colon + 2)},
+      {"fix_utime", message.fix_utime},
+      {"score_percent", message.n_matched}};
+  if (somewhere && T_map_base) {
+    const Eigen::Vector3d t = T_map_base->translation();
+    const Eigen::Matrix3d R = T_map_base->linear();
+    json["t"] = {t.x(), t.y(), t.z()};
+    json["yaw"] = std::atan2(R(1, 0), R(0, 0));
+    json["sigma_m"] = std::sqrt(std::max(0.0, message.covariance[0] + message.covariance[7]));
+  }
+  store_.put(Topic::kPose, "localization", to_text(json));
 }
 
 void ViewerState::put_pose(const std::string& source, std::int64_t utime_us, const SE3& T_map_base,
@@ -165,6 +193,7 @@ void ViewerState::put_pose(const std::string& source, std::int64_t utime_us, con
 // n times f32 u, v (px), f32 depth (m, 0: unknown), f32 1 when the feature is a point of the map.
 void ViewerState::on(const std::string&, const keyframe_t& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (!reset_.passes(message.utime)) return;
   graph_.on_keyframe(message);
   ByteWriter out;
   for (std::size_t i = 0; i < message.u_px.size(); ++i)
@@ -205,7 +234,7 @@ void ViewerState::put_keyframe(std::int64_t id) {
 
 void ViewerState::on(const std::string&, const lidar_node_t& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  graph_.on_lidar_node(message);
+  if (reset_.passes(message.utime)) graph_.on_lidar_node(message);
 }
 
 void ViewerState::on(const std::string&, const graph_t& message) {
@@ -217,12 +246,12 @@ void ViewerState::on(const std::string&, const graph_t& message) {
 
 void ViewerState::on(const std::string&, const loop_candidate_t& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  graph_.on_candidate(message);
+  if (reset_.passes(message.utime)) graph_.on_candidate(message);
 }
 
 void ViewerState::on(const std::string& channel, const constraint_t& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (channel == "CONSTRAINT") graph_.on_constraint(message);
+  if (channel == "CONSTRAINT" && reset_.passes(message.utime)) graph_.on_constraint(message);
 }
 
 void ViewerState::on(const std::string&, const status_t& message) {
@@ -241,12 +270,35 @@ void ViewerState::on(const std::string&, const procman_lcm::deputy_info_t& messa
                         {"exit_code", command.exit_code},
                         {"cpu", command.cpu_usage},
                         {"memory_bytes", command.mem_rss_bytes}});
+  for (const LabCommand& command : lab_.commands) {
+    const bool known = std::any_of(message.cmds.begin(), message.cmds.end(), [&](const auto& one) {
+      return one.cmd.command_id == command.spec.id;
+    });
+    if (known || command.deputy != message.deputy_id) continue;
+    commands.push_back({{"name", command.spec.id},
+                        {"group", command.spec.group},
+                        {"pid", 0},
+                        {"exit_code", 0},
+                        {"cpu", 0.0},
+                        {"memory_bytes", 0}});
+  }
   store_.put(Topic::kDeputy, message.deputy_id,
              to_text({{"deputy", message.deputy_id},
                       {"cpu", message.cpu_load},
                       {"memory_total_bytes", message.phys_mem_total_bytes},
                       {"memory_free_bytes", message.phys_mem_free_bytes},
                       {"commands", commands}}));
+}
+
+// The robot, its sensors and the processes are what they were; the map and all that lies in it
+// goes.
+void ViewerState::on(const std::string&, const command_t& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!reset_.asks(message)) return;
+  clear_map();
+  auto session = std::make_unique<SessionCollector>();
+  session->begin_like(*session_);
+  session_ = std::move(session);
 }
 
 void ViewerState::on_tile(const std::string& channel, const Tile& tile) {
@@ -293,6 +345,11 @@ void ViewerState::tick() {
                       {"damaged_tiles", damaged_}}));
 }
 
+void ViewerState::set_lab(LabConfig lab) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  lab_ = std::move(lab);
+}
+
 void ViewerState::begin_at(std::int64_t utime_us) {
   const std::lock_guard<std::mutex> lock(mutex_);
   begin_us_ = utime_us;
@@ -301,14 +358,22 @@ void ViewerState::begin_at(std::int64_t utime_us) {
 void ViewerState::clear() {
   const std::lock_guard<std::mutex> lock(mutex_);
   store_.clear();
-  graph_.clear();
+  clear_map();
   health_.clear();
-  grid_.clear();
-  truth_.clear();
   session_ = std::make_unique<SessionCollector>();
   robot_.reset();
-  keyframes_.clear();
+  reset_ = ResetGate("viewer");
   newest_us_ = first_us_ = camera_us_ = 0;
+}
+
+void ViewerState::clear_map() {
+  for (const Topic topic : {Topic::kPose, Topic::kScan, Topic::kKeyframe, Topic::kGridFused,
+                            Topic::kGridLidar, Topic::kGridVisual, Topic::kOctomap, Topic::kCloud})
+    store_.remove_all(topic);
+  graph_.clear();
+  grid_.clear();
+  truth_.clear();
+  keyframes_.clear();
   T_map_base_ = T_map_path_ = SE3::Identity();
   has_pose_ = false;
   aligned_ = true;

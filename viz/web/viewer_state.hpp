@@ -15,9 +15,12 @@
 #include "bot_core/planar_lidar_t.hpp"
 #include "bot_core/pose_t.hpp"
 #include "fusion_slam/camera_model_t.hpp"
+#include "fusion_slam/command_t.hpp"
 #include "fusion_slam/keyframe_image_t.hpp"
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
+#include "libs/bus/reset_gate.hpp"
+#include "libs/procman/lab_config.hpp"
 #include "libs/robot/robot_model.hpp"
 #include "libs/session/session_collector.hpp"
 #include "procman_lcm/deputy_info_t.hpp"
@@ -50,10 +53,13 @@ class ViewerState {
   void on(const std::string& channel, const constraint_t& message);
   void on(const std::string& channel, const status_t& message);
   void on(const std::string& channel, const procman_lcm::deputy_info_t& message);
+  void on(const std::string& channel, const command_t& message);  // reset: the map begins anew
   void on_tile(const std::string& channel, const Tile& tile);
 
   // Twice a second of real time: what depends on time alone, and the summary of the session.
   void tick();
+  // What people may start: a deputy forgets what it was told to stop, and knows nothing at first.
+  void set_lab(LabConfig lab);
   // When the session began, where that is known (a recording's index); else its first measurement.
   void begin_at(std::int64_t utime_us);
   // Forgets everything but that; browsers do, too.
@@ -75,7 +81,9 @@ class ViewerState {
   void note_sensor(const std::string& channel, std::int64_t utime_us, std::size_t size_bytes);
   void put_pose(const std::string& source, std::int64_t utime_us, const SE3& T_map_base, int state,
                 const std::string& reason, double sigma_m);
+  void put_localization(const pose_estimate_t& message);
   void put_keyframe(std::int64_t id);
+  void clear_map();
 
   struct KeyframeParts {
     std::string features;  // encoded
@@ -87,7 +95,9 @@ class ViewerState {
 
   ItemStore& store_;
   const Clock clock_;
+  LabConfig lab_;
   mutable std::mutex mutex_;
+  ResetGate reset_{"viewer"};
   GraphView graph_;
   HealthView health_;
   GridView grid_;

@@ -6,6 +6,7 @@
 
 #include "bot_core/pose_t.hpp"
 #include "fusion_slam/command_t.hpp"
+#include "fusion_slam/resend_t.hpp"
 #include "fusion_slam/step_t.hpp"
 #include "libs/bus/bus.hpp"
 #include "libs/bus/tile_channel.hpp"
@@ -213,6 +214,72 @@ TEST(BusMemq, CommandsOfTwoSendersAllArrive) {
     two.publish("COMMAND", command("reset", i));
   }
   EXPECT_TRUE(soon([&] { return receiver.handle(10), handled == 6; })) << handled;
+}
+
+TEST(BusMemq, ClearedTilesAreGoneForEveryListenerAndRevisionsMayBeginAgain) {
+  for (const Mode mode : {Mode::kLive, Mode::kThroughput}) {
+    auto transport = std::make_shared<Transport>("memq://");
+    Bus sender(test_bus("mapper", mode), transport);
+    Bus listener(test_bus("listener", mode), transport);
+    std::vector<Tile> came;
+    const TileReceiver receiver(listener, "CLOUD", [&](const Tile& tile) { came.push_back(tile); });
+    const auto wait_for = [&](std::size_t n) {
+      return soon([&] {
+        while (listener.handle(10)) {
+        }
+        return came.size() == n;
+      });
+    };
+    TilePublisher publisher(sender, "CLOUD");
+    Tile tile;
+    tile.resolution_m = 0.05;
+    tile.encoding = TileEncoding::kCloud;
+    tile.data = {1, 2, 3};
+    for (const std::int64_t revision : {1, 2, 3}) {
+      tile.revision = revision;
+      publisher.publish(tile);
+    }
+    tile.key.x = 1;
+    tile.revision = 1;
+    publisher.publish(tile);
+    publisher.clear();
+    ASSERT_TRUE(wait_for(6));
+    EXPECT_EQ(came[4].encoding, TileEncoding::kEmpty);
+    EXPECT_EQ(came[5].encoding, TileEncoding::kEmpty);
+    EXPECT_TRUE(came[5].data.empty());
+    publisher.publish(tile);
+    ASSERT_TRUE(wait_for(7));
+    EXPECT_EQ(came[6].encoding, TileEncoding::kCloud);
+    publisher.clear();  // the other one is gone already: nothing is said of it
+    publisher.publish(tile);
+    ASSERT_TRUE(wait_for(9));
+    EXPECT_EQ(came[7].encoding, TileEncoding::kEmpty);
+    EXPECT_EQ(came[7].key.x, 1);
+    EXPECT_EQ(came[8].encoding, TileEncoding::kCloud);
+  }
+}
+
+TEST(BusMemq, WhatIsForgottenIsNotSentAgain) {
+  auto transport = std::make_shared<Transport>("memq://");
+  Bus sender(test_bus("sender"), transport);
+  Bus late(test_bus("late"), transport);
+  std::vector<std::int64_t> seqs;
+  sender.publish("NUMBERED", command("old"));
+  sender.publish("NUMBERED", command("old"));
+  sender.forget_sent("NUMBERED");
+  sender.publish("NUMBERED", command("new"));
+  late.subscribe<command_t>("NUMBERED", Policy::kKeepAll,
+                            [&](const command_t& m) { seqs.push_back(m.seq); });
+  resend_t request{};
+  request.channel = "NUMBERED";
+  request.seqs = {1, 2, 3};
+  request.n_seqs = 3;
+  late.publish("RESEND", request);
+  ASSERT_TRUE(soon([&] {
+    late.handle(10);
+    return !seqs.empty();
+  }));
+  EXPECT_EQ(seqs, std::vector<std::int64_t>{3});
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // The process on a private bus: what comes in after finish still reaches the map.
 #include "services/fuser/fuser_process.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -83,6 +84,41 @@ TEST_F(FuserOnBus, FusesAndFollowsTheGraphAfterFinish) {
   const auto cells = decode_fused_tile(fused_[here]);
   ASSERT_TRUE(cells);
   EXPECT_EQ(cells->provenance[0], static_cast<std::uint8_t>(Provenance::kCamera));
+}
+
+TEST_F(FuserOnBus, AfterResetTheMapIsWhatTheMappersSay) {
+  world_->publish("ROBOT_MODEL", to_message(RobotModel{}, 1000));
+  submaps_->publish(tile(1, 0, 0.9, 1000));
+  visual_->publish(tile(0, 3, 0.1, 1000));
+  say_graph(0.0, 2'000'000);
+  ASSERT_TRUE(soon([&] { return fused_.size() >= 2; }));
+  command_t reset{};
+  reset.utime = 2'000'000;
+  reset.verb = "reset";
+  world_->publish("COMMAND", reset);
+  // As the mappers do; no measurement follows.
+  submaps_->clear();
+  visual_->clear();
+  EXPECT_TRUE(soon([&] {
+    return std::all_of(fused_.begin(), fused_.end(), [](const auto& entry) {
+      return entry.second.encoding == TileEncoding::kEmpty;
+    });
+  }));
+  submaps_->publish(tile(2, 0, 0.9, 3'000'000));
+  graph_t graph{};
+  graph.utime = 9'000'000;
+  graph.n_parts = 1;
+  graph.n_nodes = 1;
+  graph.nodes.resize(1);
+  graph.nodes[0].kind = graph_node_t::LIDAR;
+  graph.nodes[0].id = 2;
+  graph.nodes[0].utime = 2'500'000;
+  graph.nodes[0].T_map_base = to_message(SE3::Identity(), 1);
+  world_->publish("GRAPH", graph);
+  EXPECT_TRUE(soon([&] {
+    return fused_.count({0, 0, 0, 0}) > 0 &&
+           fused_[{0, 0, 0, 0}].encoding == TileEncoding::kGridFused;
+  }));
 }
 
 }  // namespace

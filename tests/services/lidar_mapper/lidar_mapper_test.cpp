@@ -151,5 +151,33 @@ TEST(LidarMapper, EqualInputGivesEqualBits) {
     ASSERT_EQ(first.poses[i].T_odom_base.x, second.poses[i].T_odom_base.x);
 }
 
+TEST(LidarMapper, ResetBeginsANewMapWhereTheRobotIs) {
+  const RobotModel robot = test_robot();
+  LidarMapper mapper(robot);
+  const Drive before = drive(mapper, robot, test_path, 40, 0.1, kNothing);
+  const std::int64_t last_id = before.nodes.back().id;
+  mapper.reset();
+  std::mt19937 rng(2);
+  Drive after;
+  for (int i = 40; i < 120; ++i) {
+    const MapperOutput out = mapper.add_scan(
+        sweep(FlatWorld{}, robot, test_path, 0.1 * i, 1'000'000 + 100'000 * i, 0.01, rng));
+    after.poses.push_back(*out.pose);
+    if (out.node) after.nodes.push_back(*out.node);
+    EXPECT_NE(out.pose->state, MatchState::kLost);
+  }
+  ASSERT_GT(after.nodes.size(), 1U);
+  EXPECT_EQ(after.nodes[0].id, last_id + 1);
+  EXPECT_EQ(after.nodes[0].previous_id, 0);
+  EXPECT_EQ(after.nodes[1].previous_id, last_id + 1);
+  for (const LidarNode& node : after.nodes)
+    for (const auto& in : node.submaps) EXPECT_GT(in.submap_id, last_id);
+  // odom goes on: nobody who listens to it sees a jump.
+  std::vector<LidarPose> all = before.poses;
+  all.insert(all.end(), after.poses.begin(), after.poses.end());
+  EXPECT_LT(worst_error_m({all, {}, {}}, test_path, 0.1), 0.08);
+  EXPECT_LT(after.poses.front().covariance.norm(), before.poses.back().covariance.norm() + 1e-3);
+}
+
 }  // namespace
 }  // namespace fusion_slam

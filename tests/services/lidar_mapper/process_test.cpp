@@ -1,5 +1,7 @@
 // The process on a bus in memory: what goes in and what comes out.
+#include <algorithm>
 #include <chrono>
+#include <map>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -116,6 +118,28 @@ TEST_F(LidarMapperProcessTest, NonsenseIsReportedAndSurvived) {
   send_model();
   send_scan(1);
   EXPECT_TRUE(soon([&] { return poses_.size() == 1; }));
+}
+
+TEST_F(LidarMapperProcessTest, AfterResetNoTileOfTheOldMapIsLeft) {
+  send_model();
+  for (int i = 0; i < 30; ++i) send_scan(i);
+  ASSERT_TRUE(soon([&] { return poses_.size() == 30 && !tiles_.empty(); }));
+  const std::int64_t last_id = nodes_.back().id;
+  command_t reset{};
+  reset.utime = 1'000'000 + 100'000 * 29;
+  reset.verb = "reset";
+  sensor_.publish("COMMAND", reset);
+  std::map<TileKey, tile_t> newest;
+  ASSERT_TRUE(soon([&] {
+    for (const tile_t& tile : tiles_) newest[from_message(tile).key] = tile;
+    return std::all_of(newest.begin(), newest.end(),
+                       [](const auto& entry) { return entry.second.encoding == tile_t::EMPTY; });
+  }));
+  const std::size_t before = nodes_.size();
+  for (int i = 30; i < 60; ++i) send_scan(i);
+  ASSERT_TRUE(soon([&] { return nodes_.size() > before + 1; }));
+  EXPECT_EQ(nodes_[before].id, last_id + 1);
+  EXPECT_EQ(nodes_[before].previous_id, 0);
 }
 
 }  // namespace

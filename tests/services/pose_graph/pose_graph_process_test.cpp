@@ -150,5 +150,39 @@ TEST_F(PoseGraphOnBus, BadInputIsReportedAndDropped) {
   EXPECT_TRUE(soon([this] { return poses_.size() == 1; }));
 }
 
+TEST_F(PoseGraphOnBus, ResetBeginsANewGraphWithWhatIsMeasuredAfterwards) {
+  RobotModel robot;
+  robot.has_lidar = true;
+  world_->publish("ROBOT_MODEL", to_message(robot, 1000));
+  drive(9);
+  ASSERT_TRUE(soon([this] { return last_revision_ == 9; }));
+  command_t reset{};
+  reset.utime = 950'000;
+  reset.verb = "reset";
+  world_->publish("COMMAND", reset);
+  ASSERT_TRUE(soon([this] { return last_revision_ == 0; }));
+  EXPECT_EQ(complete_nodes_.at(0), 0U);
+  T_map_base_.clear();
+  const auto node = [&](std::int64_t id, std::int64_t previous_id) {
+    lidar_node_t message{};
+    message.utime = id * 100'000;
+    message.id = id;
+    message.previous_id = previous_id;
+    message.T_odom_base = to_message(from_xyz_rpy(id, 0, 0, 0, 0, 0), message.utime);
+    message.T_previous_base = to_message(from_xyz_rpy(1, 0, 0, 0, 0, 0), message.utime);
+    world_->publish("LIDAR_NODE", message);
+  };
+  constraint_t stale{};
+  stale.utime = 900'000;
+  world_->publish("CONSTRAINT", stale);  // of the old map: not even looked at
+  node(10, 0);
+  node(11, 10);
+  ASSERT_TRUE(soon([this] { return T_map_base_.count(11) > 0; }));
+  EXPECT_EQ(T_map_base_.size(), 2U);
+  EXPECT_TRUE(T_map_base_[10].isApprox(SE3::Identity(), 1e-9));
+  EXPECT_NEAR(T_map_base_[11].translation().x(), 1.0, 1e-6);
+  EXPECT_TRUE(bus_->status().last_error.empty()) << bus_->status().last_error;
+}
+
 }  // namespace
 }  // namespace fusion_slam

@@ -1,5 +1,5 @@
 // The page as a person meets it: page_test.mjs BUILD_DIR WORK_DIR. Runs in a network namespace of its own (page_test).
-import { existsSync, mkdirSync, readdirSync, rmSync } from "node:fs";
+import { existsSync, mkdirSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { check, launch, open, run, start, stats, stop, until } from "./browser.mjs";
 
@@ -13,9 +13,11 @@ const faults = [];
 
 rmSync(work, { recursive: true, force: true });
 mkdirSync(join(work, "saved"), { recursive: true });
+writeFileSync(LAB, 'cmd "worker" { exec = "/bin/sleep 3600"; deputy = "robot"; }\n');
 const shot = (page, name) => page.screenshot({ path: join(work, `${name}.png`) });
 const text = (page, selector) => page.locator(selector).innerText();
-const view = (session = []) => start(work, "viewer", bin("viewer"), [...session, "--port", PORT, "--lcm-url", NETWORK, "--save-dir", join(work, "saved")]);
+const LAB = join(work, "lab.cfg");
+const view = (session = []) => start(work, "viewer", bin("viewer"), [...session, "--port", PORT, "--lcm-url", NETWORK, "--save-dir", join(work, "saved"), "--lab", LAB]);
 const knows = ({ processes }) => SERVICES.every((service) => processes.includes(service));
 const ready = () => until("the viewer to serve", async () => (await fetch(`${URL}health`)).ok);
 
@@ -39,8 +41,7 @@ async function live(browser) {
   });
   check((await text(page, "#link")).startsWith("Live"), "it says Live");
   await shot(page, "live");
-  await until("the map to grow", async () => (await stats(page)).session.area_m2 > early.session.area_m2 * 1.2);
-  check(true, "the map grows while one looks");
+  await reset(page, player);
   await player.ended;
   // The services go on with what waits: the map is whole when nothing changes any more.
   let area = 0;
@@ -79,9 +80,56 @@ async function live(browser) {
   check(true, "a process that dies is named at the top");
   await shot(page, "problem");
   await localise(page);
+  await processes(page);
   for (const service of services.values()) await stop(service);
   await page.context().close();
   check((await stop(viewer)) === 0, "the viewer ends with 0 when asked to");
+}
+
+// While the player holds still nothing new comes: the map has to be gone whole, and then begin anew.
+async function reset(page, player) {
+  await until("some driving", async () => {
+    const { session } = await stats(page);
+    return session.utime - session.first_utime > 7e6 || player.exitCode !== null;
+  });
+  check(player.exitCode === null, "the recording has not ended yet");
+  player.kill("SIGSTOP");
+  page.once("dialog", (dialog) => void dialog.accept());
+  await page.getByRole("button", { name: "Reset" }).click();
+  await until("the old map to be gone", async () => {
+    const now = await stats(page);
+    return now.session.area_m2 === 0 && now.fusedTiles === 0 && now.nodes === 0;
+  });
+  check((await stats(page)).link === "open", "Reset: every service has given up its map");
+  await shot(page, "reset");
+  player.kill("SIGCONT");
+  const anew = await until("the new map", async () => {
+    const now = await stats(page);
+    return now.session.area_m2 > 2 && now.fusedTiles > 0 && now.nodes > 2 ? now : null;
+  });
+  await until("the map to grow", async () => (await stats(page)).session.area_m2 > anew.session.area_m2 * 1.2);
+  check(true, "the map begins anew and grows while one looks");
+}
+
+// A process of the lab, through the sheriff and a deputy: "worker" is a shell that waits.
+async function processes(page) {
+  const deputy = start(work, "deputy", bin("procman-deputy"), ["--name", "robot", "--lcm-url", NETWORK, "--allow-anything"]);
+  const row = page.locator("#health li", { has: page.getByText("worker", { exact: true }) });
+  const button = (verb) => page.getByRole("button", { name: `${verb} worker` });
+  const pid = async () => (await stats(page)).commands.find((one) => one.name === "worker")?.pid ?? 0;
+  await button("start").click();
+  const first = await until("the process to run", pid);
+  check(await row.isVisible(), "start: a process of the lab runs");
+  await until("the sheriff to have ended", async () => (await text(page, "#notices")).includes("carried out: start worker"));
+  await button("restart").click();
+  await until("another process in its place", async () => ![0, first].includes(await pid()));
+  check(true, "restart: another process in its place");
+  await until("the sheriff to have ended", async () => (await text(page, "#notices")).includes("carried out: restart worker"));
+  await shot(page, "processes");
+  await button("stop").click();
+  await until("the process to end", async () => (await pid()) === 0 && (await button("start").isVisible()));
+  check(true, "stop: it has ended");
+  await stop(deputy);
 }
 
 async function cell(page, now) {
@@ -127,7 +175,7 @@ async function recording(browser) {
   });
   await until("the earlier moment", async () => {
     const now = await stats(page);
-    return Math.abs(now.player.position_s - 6) < 0.2 && now.session?.area_m2 > 0 && now.session.area_m2 < 0.97 * end.session.area_m2;
+    return Math.abs(now.player.position_s - 6) < 0.2 && now.session?.area_m2 < 0.97 * end.session.area_m2;
   });
   check(true, "seeking back shows the smaller map of then");
   await page.locator("#canvas").focus();

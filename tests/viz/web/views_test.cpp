@@ -295,5 +295,77 @@ TEST(ViewerState, AUnknownCellIsSaidToBe) {
   EXPECT_EQ(Json::parse(state.cell_json(1.0, 2.0))["known"], false);
 }
 
+TEST(ViewerState, ResetTakesTheMapAndLeavesTheProcesses) {
+  ItemStore store;
+  ViewerState state(store);
+  status_t status{};
+  status.process = "fuser";
+  state.on("STATUS", status);
+  state.on("GRAPH", graph(3, {node(0, 1, 1.0)}));
+  state.on("LOOP_CANDIDATE", candidate(1, 2, true));
+  FusedCells cells;
+  cells.probability.fill(200);
+  Tile tile = encode_fused_tile({0, 0, 0, 0}, cells, 0.05, 1, 100'000);
+  state.on_tile("GRID_FUSED", tile);
+  ASSERT_EQ(store.size(Topic::kGridFused), 1U);
+  command_t reset{};
+  reset.utime = 200'000;
+  reset.verb = "reset";
+  state.on("COMMAND", reset);
+  EXPECT_EQ(store.size(Topic::kGridFused) + store.size(Topic::kNodes) + store.size(Topic::kLoop),
+            0U);
+  EXPECT_EQ(store.size(Topic::kHealth), 1U);
+  EXPECT_EQ(Json::parse(state.cell_json(0.1, 0.1))["known"], false);
+  state.on("LOOP_CANDIDATE", candidate(1, 2, true));  // of before: its utime is 0
+  EXPECT_EQ(store.size(Topic::kLoop), 0U);
+  state.on("GRAPH", graph(1, {node(0, 3, 0.0)}));
+  EXPECT_EQ(store.size(Topic::kNodes), 1U);
+}
+
+TEST(ViewerState, WhatTheLabMayStartIsShownThoughTheDeputyHasForgottenIt) {
+  ItemStore store;
+  ViewerState state(store);
+  state.set_lab(
+      parse_lab_config("cmd \"a\" { exec = \"x\"; deputy = \"robot\"; } cmd \"b\" { exec = \"x\"; "
+                       "deputy = \"other\"; }",
+                       "lab.cfg"));
+  procman_lcm::deputy_info_t info{};
+  info.deputy_id = "robot";
+  state.on("PM_INFO", info);
+  Json commands = json_of(store, Topic::kDeputy, "robot")["commands"];
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0]["name"], "a");
+  info.cmds.resize(1);
+  info.cmds[0].cmd.command_id = "a";
+  info.cmds[0].pid = 5;
+  info.ncmds = 1;
+  state.on("PM_INFO", info);
+  commands = json_of(store, Topic::kDeputy, "robot")["commands"];
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0]["pid"], 5);
+}
+
+TEST(ViewerState, LocalizationSaysWhereAndHowSure) {
+  ItemStore store;
+  ViewerState state(store);
+  pose_estimate_t message{};
+  message.utime = 5'000'000;
+  message.state = pose_estimate_t::WEAK;
+  message.reason = "CANDIDATE: two places look alike";
+  message.T_frame_base = to_message(make_pose({1.0, 2.0, 0.0}, 1.0, 0.0, 0.0, 0.0), 5'000'000);
+  message.n_matched = 81;
+  state.on("LOCALIZATION", message);
+  Json json = json_of(store, Topic::kPose, "localization");
+  EXPECT_EQ(json["state"], "candidate");
+  EXPECT_EQ(json["reason"], "two places look alike");
+  EXPECT_EQ(json["score_percent"], 81);
+  EXPECT_DOUBLE_EQ(json["t"][1].get<double>(), 2.0);
+  message.state = pose_estimate_t::UNKNOWN;
+  state.on("LOCALIZATION", message);
+  json = json_of(store, Topic::kPose, "localization");
+  EXPECT_EQ(json["state"], "unknown");
+  EXPECT_EQ(json.count("t"), 0U);
+}
+
 }  // namespace
 }  // namespace fusion_slam

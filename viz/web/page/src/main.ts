@@ -225,7 +225,7 @@ Object.assign(window, {
   fusionSlam: {
     world, layers, camera,
     stats: () => ({
-      link, beginnings, processes: health.names(), bytes: connection.bytes, bytesPerSecond: lastBytes.perSecond, frames: world.viewport.frames, frameMs: world.viewport.frameMs,
+      link, beginnings, processes: health.names(), commands: health.commands(), bytes: connection.bytes, bytesPerSecond: lastBytes.perSecond, frames: world.viewport.frames, frameMs: world.viewport.frameMs,
       points: world.cloud.total, voxels: world.voxels.total, fusedTiles: world.grids.fused.tiles, nodes: world.graph.nodes.size,
       tiles: world.tiles, waiting: waiting.length, pose: world.pose, session, player: timeline.player, truthError,
       time: duration((session ? session.utime - session.first_utime : 0) / 1e6),

@@ -83,6 +83,18 @@ export interface PoseItem extends Pose {
   sigma_m: number;
 }
 
+// Topic pose, key "localization": of a localizer, when one runs.
+export interface LocalizationItem {
+  utime: number;
+  state: "unknown" | "candidate" | "localized";
+  reason: string;
+  fix_utime: number; // when the robot was found, from nothing; 0: never
+  score_percent: number; // of the LiDAR's points that agree with the map
+  t?: [number, number, number]; // where it may be, or is
+  yaw?: number;
+  sigma_m?: number;
+}
+
 export interface RobotItem {
   name: string;
   has_lidar: boolean;

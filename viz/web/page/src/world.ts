@@ -1,6 +1,6 @@
 // The scene as a whole: takes items, keeps the layers, and answers what lies under a click.
 import { Vector2 } from "three";
-import { decodeTile, jsonOf, type Item, type LoopItem, type Pose, type PoseItem, type RobotItem, type Topic } from "./protocol";
+import { decodeTile, jsonOf, type Item, type LocalizationItem, type LoopItem, type Pose, type PoseItem, type RobotItem, type Topic } from "./protocol";
 import { CloudLayer } from "./scene/cloud_layer";
 import { GraphLayer } from "./scene/graph_layer";
 import { GridLayer } from "./scene/grid_layer";
@@ -22,6 +22,7 @@ export class World {
   readonly graph: GraphLayer;
   readonly robot: RobotLayer;
   pose: PoseItem | null = null;
+  localization: LocalizationItem | null = null;
   tiles = 0; // taken since the page was opened
 
   constructor(canvas: HTMLCanvasElement) {
@@ -30,7 +31,7 @@ export class World {
     this.robot = new RobotLayer(this.viewport.size as Vector2);
     this.viewport.scene.add(
       this.grids.fused.group, this.grids.lidar.group, this.grids.visual.group, this.cloud.group, this.voxels.group,
-      this.graph.trajectory, this.graph.keyframes, this.graph.loops, this.robot.truth, this.robot.scan, this.robot.robot, this.robot.guess);
+      this.graph.trajectory, this.graph.keyframes, this.graph.loops, this.robot.truth, this.robot.scan, this.robot.robot, this.robot.guess, this.robot.candidate);
   }
 
   recolour(theme: "light" | "dark"): void {
@@ -58,6 +59,7 @@ export class World {
     this.graph.clear();
     this.robot.clear();
     this.pose = null;
+    this.localization = null;
     this.viewport.invalidate();
   }
 
@@ -74,14 +76,23 @@ export class World {
         this.graph.setLoop(item.key, item.gone ? null : jsonOf<LoopItem>(item), now);
         break;
       case "pose":
-        if (item.gone) break;
+        if (item.key === "localization") {
+          this.takeLocalization(item.gone ? null : jsonOf<LocalizationItem>(item));
+          break;
+        }
+        if (item.gone) {
+          this.pose = null;
+          this.robot.setPose(null);
+          this.graph.setPose(null);
+          break;
+        }
         this.pose = jsonOf<PoseItem>(item);
-        this.robot.setPose(this.pose);
+        this.robot.setPose(this.pose.state === "unknown" ? null : this.pose);
         if (this.pose.source === "slam") this.graph.setPose(this.pose);
         if (this.viewport.follow) this.viewport.moveTo(this.pose.t[0], this.pose.t[1], 0);
         break;
       case "scan":
-        if (!item.gone) this.robot.setScan(item.data);
+        this.robot.setScan(item.gone ? null : item.data);
         break;
       case "truth":
         if (item.key === "alignment") {
@@ -120,7 +131,7 @@ export class World {
       }
     }
     for (const node of this.graph.nodes.values()) add(node.x, node.y);
-    if (this.pose) add(this.pose.t[0], this.pose.t[1]);
+    if (this.pose && this.pose.state !== "unknown") add(this.pose.t[0], this.pose.t[1]);
     return Number.isFinite(box[0]) ? box : null;
   }
 
@@ -131,6 +142,13 @@ export class World {
     const camera = this.viewport.camera;
     this.voxels.seenFrom(camera.position, camera.position.clone().sub(this.viewport.centre), perspective);
     return this.viewport.render();
+  }
+
+  // A place that isn't sure yet is drawn as such; the robot itself is drawn where POSE says.
+  private takeLocalization(place: LocalizationItem | null): void {
+    this.localization = place;
+    const perhaps = place?.state === "candidate" && place.t ? place : null;
+    this.robot.setCandidate(perhaps?.t ?? null, perhaps?.yaw ?? 0);
   }
 
   private takeTile(topic: Topic, item: Item): void {

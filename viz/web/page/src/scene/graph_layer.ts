@@ -68,8 +68,8 @@ export class GraphLayer {
     this.changed = true;
   }
 
-  setPose(pose: PoseItem): void {
-    this.tail = { utime: pose.utime, x: pose.t[0], y: pose.t[1], z: pose.t[2] };
+  setPose(pose: PoseItem | null): void {
+    this.tail = pose && { utime: pose.utime, x: pose.t[0], y: pose.t[1], z: pose.t[2] };
     this.changed = true;
   }
 

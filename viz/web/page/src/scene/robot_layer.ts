@@ -22,6 +22,7 @@ export class RobotLayer {
   readonly scan = new Group();
   readonly truth = new Group();
   readonly guess = new Group();
+  readonly candidate = new Group(); // where the localizer thinks the robot may be
   private body: Mesh<ShapeGeometry, MeshBasicMaterial>;
   private rim: Mesh<ShapeGeometry, MeshBasicMaterial>;
   private mast: Mesh<CylinderGeometry, MeshBasicMaterial>;
@@ -53,13 +54,20 @@ export class RobotLayer {
     const tip = new Mesh(new ConeGeometry(0.14, 0.3, 16).rotateZ(-Math.PI / 2).translate(0.95, 0, 0), shaft.material);
     const foot = new Mesh(new RingGeometry(0.16, 0.22, 32), new MeshBasicMaterial({ side: DoubleSide }));
     this.guess.add(shaft, tip, foot);
+    const outline = { transparent: true, opacity: 0.85, side: DoubleSide };
+    const circle = new Mesh(new RingGeometry(0.42, 0.5, 40), new MeshBasicMaterial(outline));
+    const front = new Mesh(arrow(0.2), new MeshBasicMaterial(outline));
+    this.candidate.add(circle, front);
+    this.candidate.visible = false;
+    this.candidate.position.z = 0.4;
     this.guess.visible = false;
     this.guess.position.z = 0.4;
   }
 
-  setPose(pose: PoseItem): void {
+  setPose(pose: PoseItem | null): void {
+    this.robot.visible = pose !== null;
+    if (!pose) return;
     place(this.robot, pose);
-    this.robot.visible = true;
     // Two standard deviations, when that is more than the robot itself.
     const radius = 2 * pose.sigma_m;
     this.halo.visible = pose.state !== "lost" && radius > 0.3 && radius < 20;
@@ -67,7 +75,9 @@ export class RobotLayer {
     if (this.theme) this.body.material.color.copy(pose.state === "lost" ? new Color("#d55e00") : this.theme.robot);
   }
 
-  setScan(data: DataView): void {
+  setScan(data: DataView | null): void {
+    this.points.visible = data !== null;
+    if (!data) return;
     const n = Math.floor((data.byteLength - 36) / 12);
     const f = (at: number): number => data.getFloat32(at, true);
     place(this.scan, { t: [f(8), f(12), f(16)], q: [f(20), f(24), f(28), f(32)] });
@@ -100,8 +110,16 @@ export class RobotLayer {
     this.guess.visible = true;
   }
 
+  setCandidate(at: [number, number, number] | null, yaw: number): void {
+    this.candidate.visible = at !== null;
+    if (!at) return;
+    this.candidate.position.set(at[0], at[1], at[2] + 0.4);
+    this.candidate.rotation.z = yaw;
+  }
+
   clear(): void {
     this.robot.visible = false;
+    this.candidate.visible = false;
     this.chunks.clear();
     this.truthLine.setStrip([]);
     this.points.geometry.dispose();
@@ -116,7 +134,7 @@ export class RobotLayer {
     this.halo.material.color.copy(theme.robot);
     this.points.material.color.copy(theme.scan);
     this.truthLine.colour(theme.truth);
-    for (const child of this.guess.children) ((child as Mesh).material as MeshBasicMaterial).color.copy(theme.highlight);
+    for (const child of [...this.guess.children, ...this.candidate.children]) ((child as Mesh).material as MeshBasicMaterial).color.copy(theme.highlight);
   }
 }
 

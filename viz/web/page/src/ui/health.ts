@@ -31,7 +31,7 @@ export class HealthPanel {
     put(this.inputs, key, item);
     this.changed = true;
   }
-  // A command that was stopped is forgotten by its deputy; people want to start it again.
+  // A command that was stopped is forgotten by its deputy; people want to start it again. (With --lab the viewer remembers.)
   setDeputy(key: string, item: DeputyItem | null): void {
     for (const before of this.deputies.get(key)?.commands ?? [])
       if (item && !item.commands.some((command) => command.name === before.name)) item.commands.push({ ...before, pid: 0, exit_code: 0, cpu: 0 });
@@ -46,6 +46,9 @@ export class HealthPanel {
   }
   names(): string[] {
     return [...this.processes.keys()];
+  }
+  commands(): { name: string; pid: number }[] {
+    return [...this.deputies.values()].flatMap((deputy) => deputy.commands);
   }
   setPerformance(text: string): void {
     this.performance.textContent = text;

@@ -42,6 +42,7 @@ export class StagePanel {
     const { session, player } = now;
     const hasMap = this.world.bounds() !== null;
     const pose = this.world.pose;
+    const place = this.world.localization;
     let chip: [string, string] = ["wait", "Connecting…"];
     if (now.link === "lost" || now.link === "refused") chip = ["bad", "Disconnected"];
     else if (now.link === "open" && player) chip = player.problem ? ["bad", "Recording unreadable"] : player.ready ? ["replay", "Recording"] : ["wait", `Reading ${Math.round(100 * (player.loaded ?? 0))} %`];
@@ -52,8 +53,17 @@ export class StagePanel {
     if (now.link === "open" && !player) {
       this.banner.hidden = now.problems.length === 0;
       setText(this.banner, now.problems.slice(0, 2).join(". "));
+      if (place && place.state !== "localized" && now.problems.length === 0) {
+        this.banner.hidden = false;
+        setText(this.banner, `The robot is not found in the saved map yet: ${place.reason}. Drive it around, or press Localise and show where it stands.`);
+      }
     }
     const rows: [string, string, string][] = [];
+    if (place) {
+      const since = place.fix_utime && session?.utime ? ` since ${duration((place.fix_utime - session.first_utime) / 1e6)}` : "";
+      const words = { unknown: "searching", candidate: `perhaps here, ${place.score_percent} % fits`, localized: `found${since}, ${place.score_percent} % fits` };
+      rows.push(["In the saved map", words[place.state], { unknown: "bad", candidate: "warn", localized: "" }[place.state]]);
+    }
     if (pose && pose.source === "slam") {
       const words = { ok: `± ${metres(2 * pose.sigma_m)}`, weak: `weak, ± ${metres(2 * pose.sigma_m)}`, lost: "lost", unknown: "unknown" };
       rows.push(["Position", words[pose.state], pose.state === "lost" ? "bad" : pose.state === "weak" ? "warn" : ""]);
