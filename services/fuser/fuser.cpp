@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "services/fuser/fusion_rule.hpp"
+#include "services/fuser/insides.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -91,13 +92,21 @@ FuserOutput Fuser::update(bool exact) {
   for (const TileIndex& index : changed)  // a face beside a tile's edge is the next tile's too
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) wanted.insert({index.first + dx, index.second + dy});
+  // What encloses an inside may lie in the tile beside it.
+  std::set<TileIndex> fill(visual_changed_);
   visual_changed_.clear();
-  for (const TileIndex& index : wanted) {
-    const bool seen = find(lidar_.map(), index) != nullptr || find(visual_, index) != nullptr;
+  for (const TileIndex& index : wanted)
+    if (refresh_seen(index))
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) fill.insert({index.first + dx, index.second + dy});
+  for (const TileIndex& index : fill) {
+    const bool seen = seen_.count(index) != 0;
     if (!seen && fused_.erase(index) == 0) continue;
     Tile tile = empty_tile(index, resolution_m, newest_us_);
     if (seen) {
-      const FusedCells cells = fuse_tile(index);
+      const TileCells* camera = find(visual_, index);
+      const FusedCells cells =
+          camera == nullptr ? seen_.at(index) : fill_insides(seen_, index, *camera, resolution_m);
       const auto [held, made] = fused_.try_emplace(index, cells);
       if (!made && held->second == cells) continue;
       held->second = cells;
@@ -106,6 +115,16 @@ FuserOutput Fuser::update(bool exact) {
     if (auto fresh = fused_tiles_.offer(std::move(tile))) output.fused.push_back(std::move(*fresh));
   }
   return output;
+}
+
+bool Fuser::refresh_seen(const TileIndex& index) {
+  if (find(lidar_.map(), index) == nullptr && find(visual_, index) == nullptr)
+    return seen_.erase(index) != 0;
+  FusedCells cells = fuse_tile(index);
+  const auto [held, made] = seen_.try_emplace(index, cells);
+  if (!made && held->second == cells) return false;
+  held->second = cells;
+  return true;
 }
 
 bool Fuser::free_near(const TileCells& cells, const TileIndex& index, int x, int y,

@@ -44,6 +44,7 @@ class Fuser {
  private:
   bool lidar_due() const;
   FusedCells fuse_tile(const TileIndex& index) const;
+  bool refresh_seen(const TileIndex& index);  // true: changed
   bool free_near(const TileCells& cells, const TileIndex& index, int x, int y, int reach) const;
   std::uint8_t lidar_cell(const TileCells& cells, const TileIndex& index, int x, int y) const;
 
@@ -55,7 +56,8 @@ class Fuser {
   bool lidar_changed_ = false;
   std::optional<std::int64_t> composed_us_;  // the LiDAR's submaps
   ChangedTiles lidar_tiles_;
-  std::map<TileIndex, FusedCells> fused_;  // as published
+  std::map<TileIndex, FusedCells> seen_;   // by Table 1 and equation 8
+  std::map<TileIndex, FusedCells> fused_;  // as published: insides filled
   ChangedTiles fused_tiles_;
 };
 
