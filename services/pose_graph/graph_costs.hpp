@@ -6,31 +6,14 @@
 
 #include "libs/geometry/pose.hpp"
 #include "libs/pose_manifold/pose_manifold.hpp"
+#include "libs/pose_manifold/relative_pose_cost.hpp"
 
 namespace fusion_slam {
-
-// local(T_from_to, T_from^-1 * T_to), and its derivatives by the increments of T_from and T_to
-// (both pointers or none).
-Vector6d relative_pose_error(const SE3& T_from, const SE3& T_to, const SE3& T_from_to,
-                             Matrix6d* J_from, Matrix6d* J_to);
 
 // (z / sigma_z, tilt of the up axis towards map x and y / sigma_tilt) of a pose that should be
 // level on the floor, and its derivative by the pose's increment.
 Eigen::Vector3d planar_residual(double sigma_z_m, double sigma_tilt_rad, const SE3& T_map_base,
                                 Eigen::Matrix<double, 3, 6>* J);
-
-// residual = S * local(T_from_to, T_from^-1 * T_to), S^T S = information.
-class RelativePoseCost final : public ceres::SizedCostFunction<6, 7, 7> {
- public:
-  RelativePoseCost(const SE3& T_from_to, const Matrix6d& sqrt_information)
-      : T_from_to_(T_from_to), sqrt_information_(sqrt_information) {}
-  bool Evaluate(const double* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  SE3 T_from_to_;
-  Matrix6d sqrt_information_;
-};
 
 // residual = planar_residual().
 class PlanarCost final : public ceres::SizedCostFunction<3, 7> {

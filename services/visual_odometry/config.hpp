@@ -66,6 +66,7 @@ struct VisualOdometryConfig {
   int bundle_iterations = 6;
   double bundle_outlier_2d = 13.8;  // chi square, 99.9 %
   double bundle_outlier_3d = 16.3;
+  double bundle_tie_gate = 16.8;  // of what surfaces say between keyframes: 6 freedoms, 99 %
   double fuse_radius_px = 3.0;
   int fuse_distance = 50;          // bits
   double min_parallax_rad = 0.02;  // of bearing-only features, to give them a place

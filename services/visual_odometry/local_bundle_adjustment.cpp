@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include <Eigen/Eigenvalues>
 #include <ceres/loss_function.h>
 #include <ceres/ordered_groups.h>
 #include <ceres/problem.h>
@@ -11,6 +12,7 @@
 
 #include "libs/features/pose_refiner.hpp"
 #include "libs/pose_manifold/pose_manifold.hpp"
+#include "libs/pose_manifold/relative_pose_cost.hpp"
 #include "services/visual_odometry/bundle_costs.hpp"
 #include "services/visual_odometry/correspondences.hpp"
 
@@ -49,6 +51,7 @@ struct Bundle {
   Blocks<PoseBlock> poses;               // moving ones and those that hold
   Blocks<std::array<double, 3>> points;  // seen at least twice within the map
   std::vector<Link> links;
+  std::vector<std::int64_t> tied;  // moving keyframes whose tie counts
   std::set<std::int64_t> fixed;
 };
 
@@ -88,6 +91,17 @@ Bundle gather(const std::vector<std::int64_t>& moving, const std::vector<double>
     }
     bundle.links.insert(bundle.links.end(), links.begin(), links.end());
   }
+  for (const std::int64_t id : moving) {
+    const MapKeyframe* keyframe = map.keyframe(id);
+    const MapKeyframe* earlier =
+        keyframe == nullptr ? nullptr : map.keyframe(keyframe->tie.keyframe);
+    if (earlier == nullptr) continue;
+    poses.emplace(id, to_block(keyframe->T_odom_camera));
+    poses.emplace(earlier->id, to_block(earlier->T_odom_camera));
+    if (!std::binary_search(moving.begin(), moving.end(), earlier->id))
+      bundle.fixed.insert(earlier->id);
+    bundle.tied.push_back(id);
+  }
   if (bundle.fixed.empty() && !poses.empty()) bundle.fixed.insert(poses.begin()->first);
   bundle.poses = in_one_piece(poses);
   bundle.points = in_one_piece(points);
@@ -105,12 +119,20 @@ ceres::Solver::Options solver_options(const VisualOdometryConfig& config) {
   return options;
 }
 
-void solve(const CameraModel& camera, const VisualOdometryConfig& config, Bundle* bundle,
-           BundleResult* result) {
+// S with S^T S = information, which may be singular.
+Matrix6d sqrt_of(const Matrix6d& information) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  return eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+void solve(const CameraModel& camera, const VisualOdometryConfig& config, const VisualMap& map,
+           Bundle* bundle, BundleResult* result) {
   ceres::Problem::Options owns;
   PoseManifold manifold;
   ceres::HuberLoss with_depth(std::sqrt(config.refine.gate_3d));
   ceres::HuberLoss bearing_only(std::sqrt(config.refine.gate_2d));
+  ceres::HuberLoss of_tie(std::sqrt(config.bundle_tie_gate));
   owns.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   owns.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(owns);
@@ -134,6 +156,12 @@ void solve(const CameraModel& camera, const VisualOdometryConfig& config, Bundle
                              link.seen.depth_m > 0.0 ? &with_depth : &bearing_only,
                              bundle->poses.at(link.keyframe).data(),
                              bundle->points.at(link.landmark).data());
+  for (const std::int64_t id : bundle->tied) {
+    const SurfaceTie& tie = map.keyframe(id)->tie;
+    problem.AddResidualBlock(new RelativePoseCost(tie.T_earlier_camera, sqrt_of(tie.information)),
+                             &of_tie, bundle->poses.at(tie.keyframe).data(),
+                             bundle->poses.at(id).data());
+  }
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   result->initial_cost = summary.initial_cost;
@@ -162,7 +190,7 @@ BundleResult adjust_bundle(const CameraModel& camera, const std::vector<std::int
   result.n_landmarks = static_cast<int>(bundle.points.blocks.size());
   result.n_observations = static_cast<int>(bundle.links.size());
   if (bundle.links.empty() || bundle.poses.blocks.size() < 2) return result;
-  solve(camera, config, &bundle, &result);
+  solve(camera, config, *map, &bundle, &result);
 
   for (const auto& [id, i] : bundle.poses.index) {
     if (bundle.fixed.count(id) > 0) continue;

@@ -27,6 +27,29 @@ double smooth_depth(const cv::Mat& depth_mm, const CameraModel& camera, int u, i
   return high - low > 0.04 * mean + 8.0 * camera.depth_sigma(mean) ? 0.0 : mean;
 }
 
+// Normals of small patches are noisy, and noise in a normal makes sliding along the surface look
+// measured: each becomes the mean of those around it that lie on the same surface.
+void smooth_normals(const SurfaceConfig& config, SurfaceView* view) {
+  const std::vector<SurfaceSample> raw = view->samples;
+  const int reach = config.smooth_samples;
+  for (int row = 0; row < view->rows; ++row)
+    for (int column = 0; column < view->columns; ++column) {
+      const int at = row * view->columns + column;
+      if (raw[at].point.z() <= 0.0) continue;
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (int y = std::max(0, row - reach); y <= std::min(view->rows - 1, row + reach); ++y)
+        for (int x = std::max(0, column - reach); x <= std::min(view->columns - 1, column + reach);
+             ++x) {
+          const SurfaceSample& other = raw[y * view->columns + x];
+          if (other.point.z() <= 0.0 || other.normal.dot(raw[at].normal) < config.gate_cosine ||
+              std::abs(raw[at].normal.dot(other.point - raw[at].point)) > config.gate_m)
+            continue;
+          sum += other.normal;
+        }
+      view->samples[at].normal = sum.normalized();
+    }
+}
+
 struct Sums {
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
@@ -98,6 +121,7 @@ SurfaceView see_surfaces(const cv::Mat& depth_mm, const CameraModel& camera,
       if (normal.dot(mean) > 0.0) normal = -normal;
       view.samples[static_cast<std::size_t>(row) * view.columns + column] = {mean, normal};
     }
+  smooth_normals(config, &view);
   return view;
 }
 
@@ -114,6 +138,7 @@ std::optional<SurfaceMotion> track_surfaces(const SurfaceView& before, const SE3
     motion.n_pairs = sums.n_pairs;
     if (sums.n_pairs < config.min_pairs || sums.n_pairs < config.min_share * sums.n_seen)
       return std::nullopt;
+    motion.information = sums.H;
     sums.H.diagonal() += prior;
     sums.b += prior.cwiseProduct(local(guess_T_odom_camera, motion.T_odom_camera));
     if (planar != nullptr) {

@@ -19,6 +19,7 @@ namespace fusion_slam {
 
 struct SurfaceConfig {
   int step_px = 8;                // between two samples
+  int smooth_samples = 2;         // a normal is the mean over so many samples to each side
   double gate_m = 0.06;           // between a point and the plane it should lie on
   double gate_cosine = 0.87;      // 30 degrees between normals
   int min_pairs = 400;            // samples of both frames on one surface
@@ -50,6 +51,9 @@ SurfaceView see_surfaces(const cv::Mat& depth_mm, const CameraModel& camera,
 struct SurfaceMotion {
   SE3 T_odom_camera = SE3::Identity();
   Matrix6d covariance = Matrix6d::Identity();  // given the earlier pose, camera axes
+  // What the surfaces alone say of xi in retract(): nothing of what the speed does. Singular where
+  // they leave a motion open.
+  Matrix6d information = Matrix6d::Zero();
   int n_pairs = 0;
 };
 

@@ -31,12 +31,20 @@ struct Landmark {
   int found = 0;                          // and was
 };
 
+// What surfaces say of the motion between two keyframes where few features do.
+struct SurfaceTie {
+  std::int64_t keyframe = 0;                // the earlier one; 0: no tie
+  SE3 T_earlier_camera = SE3::Identity();   // of the camera of the later one
+  Matrix6d information = Matrix6d::Zero();  // of xi in retract(), camera axes; may be singular
+};
+
 struct MapKeyframe {
   std::int64_t id = 0;
   int segment = 0;  // keyframes of different segments have no known motion between them
   SE3 T_odom_camera = SE3::Identity();
   std::shared_ptr<const FeatureSet> features;
   std::vector<std::int64_t> landmark_of_feature;  // 0: none
+  SurfaceTie tie;
 };
 
 // Every link is known at both ends: a landmark's observation and the keyframe's feature. A part

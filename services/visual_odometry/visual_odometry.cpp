@@ -61,15 +61,16 @@ TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
   }
   last_utime_us_ = frame.utime_us;
   take_up_news();
-  SurfaceView view;
-  if (config_.use_surfaces) view = see_surfaces(frame.depth_mm, camera_, config_.surfaces);
-  TrackingResult result = place(frame, view);
-  surfaces_ = result.state == TrackingState::kLost ? SurfaceView{} : std::move(view);
+  if (config_.use_surfaces) now_ = see_surfaces(frame.depth_mm, camera_, config_.surfaces);
+  TrackingResult result = place(frame);
+  if (result.keyframe) surfaces_of_keyframe_ = now_;
+  if (result.keyframe) surfaces_keyframe_ = result.keyframe->id;
+  surfaces_ = result.state == TrackingState::kLost ? SurfaceView{} : std::exchange(now_, {});
   return result;
 }
 
 // Where the frame was seen from.
-TrackingResult VisualOdometry::place(const RgbdFrame& frame, const SurfaceView& view) {
+TrackingResult VisualOdometry::place(const RgbdFrame& frame) {
   FeatureSet set = see(frame);
   if (!segment_started_) return lost(frame.utime_us, "", std::move(set));
 
@@ -80,7 +81,7 @@ TrackingResult VisualOdometry::place(const RgbdFrame& frame, const SurfaceView& 
     estimate.reset();
   }
   if (!estimate || static_cast<int>(estimate->matched.matches.size()) < config_.min_inliers_ok)
-    if (auto carried = carry_on(frame.utime_us, view, set)) estimate = std::move(carried);
+    if (auto carried = carry_on(frame.utime_us, now_, set)) estimate = std::move(carried);
   if (!estimate) estimate = find_again(set);
   if (!estimate) return lost(frame.utime_us, why, std::move(set));
   return tracked(frame.utime_us, *estimate, std::move(set));
@@ -94,6 +95,8 @@ void VisualOdometry::reset() {
   revision_ = {};
   open_.clear();
   surfaces_ = {};
+  surfaces_of_keyframe_ = {};
+  surfaces_keyframe_ = 0;
   n_segments_ = 0;
   segment_started_ = false;
 }

@@ -60,9 +60,10 @@ class VisualOdometry {
   std::optional<PoseEstimate> track_from(const std::vector<Guess>& guesses, const FeatureSet& set);
   std::optional<PoseEstimate> carry_on(std::int64_t utime_us, const SurfaceView& now,
                                        const FeatureSet& set);
+  SurfaceTie tie_to_reference() const;
   std::optional<PoseEstimate> find_again(const FeatureSet& set);
   bool contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate) const;
-  TrackingResult place(const RgbdFrame& frame, const SurfaceView& view);
+  TrackingResult place(const RgbdFrame& frame);
   TrackingResult tracked(std::int64_t utime_us, const PoseEstimate& estimate, FeatureSet set);
   TrackingResult lost(std::int64_t utime_us, const std::string& why, FeatureSet set);
   TrackingResult start_segment(std::int64_t utime_us, FeatureSet set);
@@ -83,7 +84,10 @@ class VisualOdometry {
   std::vector<double> scales_;
   MotionModel motion_;
   LidarMotion lidar_motion_;
-  SurfaceView surfaces_;                 // of the last frame, when it has a pose; empty otherwise
+  SurfaceView surfaces_;              // of the last frame, when it has a pose; empty otherwise
+  SurfaceView now_;                   // of this frame
+  SurfaceView surfaces_of_keyframe_;  // of keyframe surfaces_keyframe_
+  std::int64_t surfaces_keyframe_ = 0;
   Matrix6d carried_ = Matrix6d::Zero();  // covariance since features were last measured
   std::optional<LaserScan> scan_;
   GraphRevision revision_;

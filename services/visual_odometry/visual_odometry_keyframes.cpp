@@ -59,6 +59,7 @@ void VisualOdometry::add_keyframe(std::vector<SeenLandmark> seen, bool connected
         robot_.T_base_camera * T_odom_reference().inverse() * T_odom_camera_ * T_camera_base;
     open_.emplace(keyframe.id, reference_);
   }
+  const SurfaceTie tie = connected && weak_ ? tie_to_reference() : SurfaceTie{};
   newest_ = reference_ = keyframe.id;
   frames_since_keyframe_ = 0;
 
@@ -67,6 +68,7 @@ void VisualOdometry::add_keyframe(std::vector<SeenLandmark> seen, bool connected
   in_map.segment = segment_;
   in_map.T_odom_camera = T_odom_camera_;
   in_map.features = std::make_shared<const FeatureSet>(set);
+  in_map.tie = tie;
   insert_keyframe(std::move(in_map), camera_, seen, scales_, config_.pixel_sigma, &map_);
   keyframe.landmark_of_feature = map_.keyframe(newest_)->landmark_of_feature;
   keyframe.refined = settled_edges();
@@ -76,6 +78,19 @@ void VisualOdometry::add_keyframe(std::vector<SeenLandmark> seen, bool connected
   if (config_.bundle_keyframes > 0) mapping_.start(make_mapping_job(map_, newest_, config_));
   keyframe.features = std::move(set);
   result->keyframe = std::move(keyframe);
+}
+
+// What the surfaces of this frame and of the reference keyframe say of the motion between the two.
+SurfaceTie VisualOdometry::tie_to_reference() const {
+  SurfaceTie tie;
+  if (surfaces_keyframe_ == 0 || surfaces_keyframe_ != reference_) return tie;
+  const auto motion = track_surfaces(surfaces_of_keyframe_, T_odom_reference(), now_,
+                                     T_odom_camera_, camera_, nullptr, config_.surfaces);
+  if (!motion) return tie;
+  tie.keyframe = reference_;
+  tie.T_earlier_camera = T_odom_reference().inverse() * motion->T_odom_camera;
+  tie.information = motion->information;
+  return tie;
 }
 
 // A place of another segment in sight: from now on both are one, as seen from here.
