@@ -372,6 +372,7 @@ int main(int argc, char** argv) {
   std::set<std::string> without;
   bool no_loops = false, no_bundle = false;
   std::vector<double> wrong_loops_s;
+  double wrong_by_m = 0.0;
   app.add_option("LOG", log, "imported log or session.lcmlog")->required();
   app.add_option("--out", out, "folder");
   app.add_option("--without", without, "inputs left out: camera, lidar, odometry")
@@ -383,13 +384,15 @@ int main(int argc, char** argv) {
                  "so many seconds after the first node: a false closure put in by hand, which says "
                  "that the robot is where it was at half that time; several: a,b")
       ->delimiter(',');
+  app.add_option("--wrong-by", wrong_by_m,
+                 "the false closures are so many metres beside the graph's opinion instead");
   CLI11_PARSE(app, argc, argv);
   std::filesystem::create_directories(out);
   fusion_slam::BackEnd back_end(out);
   back_end.without = without;
   back_end.use_loops = !no_loops;
   back_end.use_bundle = !no_bundle;
-  back_end.wrong_loops = fusion_slam::WrongLoops(wrong_loops_s);
+  back_end.wrong_loops = fusion_slam::WrongLoops(wrong_loops_s, wrong_by_m);
   fusion_slam::LogReader reader(log);
   fusion_slam::LogEvent event;
   while (reader.next(&event)) back_end.on(event);

@@ -15,13 +15,15 @@ namespace fusion_slam {
 class WrongLoops {
  public:
   WrongLoops() = default;
-  // So many seconds after the graph's first node each.
-  explicit WrongLoops(std::vector<double> at_s) : at_s_(std::move(at_s)) {
+  // So many seconds after the graph's first node each; by_m: so far beside where the graph has the
+  // newer node, 0: at the older node's place.
+  explicit WrongLoops(std::vector<double> at_s, double by_m = 0.0)
+      : at_s_(std::move(at_s)), by_m_(by_m) {
     std::sort(at_s_.begin(), at_s_.end());
   }
 
   // When it is time: a loop that says, good to 5 cm and 1 degree, that the newest node lies where
-  // the robot was half the time ago.
+  // the robot was half the time ago (or by_m beside its true place, as a door further on).
   void inject(PoseGraph* graph) {
     if (next_ >= at_s_.size() || graph->nodes().empty()) return;
     if (start_us_ == 0) start_us_ = graph->nodes().begin()->second.utime_us;
@@ -39,13 +41,15 @@ class WrongLoops {
     Vector6d variance;
     variance << Eigen::Vector3d::Constant(0.05 * 0.05), Eigen::Vector3d::Constant(0.017 * 0.017);
     const auto before = places(*graph);
-    graph->add_loop({from, to, SE3::Identity(), variance.asDiagonal(), {}});
+    const SE3 T_told =
+        by_m_ > 0.0 ? SE3(T_from_to * from_xyz_rpy(by_m_, 0, 0, 0, 0, 0)) : SE3(SE3::Identity());
+    graph->add_loop({from, to, T_told, variance.asDiagonal(), {}});
     injected_[{from, to}] = since_us;
     std::printf(
-        "false closure put in at %.1f s: %s %ld - %s %ld at one place, the graph has them %.2f m "
-        "apart; at first it moves nodes by up to %.3f m\n",
+        "false closure put in at %.1f s: %s %ld - %s %ld, %.2f m beside where the graph "
+        "has them; at first it moves nodes by up to %.3f m\n",
         1e-6 * static_cast<double>(since_us), kind(from), static_cast<long>(from.id), kind(to),
-        static_cast<long>(to.id), T_from_to.translation().norm(), moved(before, *graph));
+        static_cast<long>(to.id), local(T_told, T_from_to).head<3>().norm(), moved(before, *graph));
   }
 
   void say_switched_off(const PoseGraph& graph, const LoopState& off) {
@@ -90,6 +94,7 @@ class WrongLoops {
   }
 
   std::vector<double> at_s_;
+  double by_m_ = 0.0;
   std::size_t next_ = 0;
   std::int64_t start_us_ = 0;
   std::map<std::pair<NodeId, NodeId>, std::int64_t> injected_;  // and when, us since the first node
