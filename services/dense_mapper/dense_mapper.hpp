@@ -46,8 +46,8 @@ class DenseMapper {
  public:
   DenseMapper(const CameraModel& camera, const RobotModel& robot, const DenseMapperConfig& config);
 
-  // The graph begins with this keyframe (after a reset ids count on); before set_pose(). 1 unless
-  // said.
+  // The graph begins with this keyframe, and so does the first submap (after a reset ids count on);
+  // before set_pose(). 1 unless said; older keyframes are never mapped.
   void begin_at(std::int64_t id) { first_id_ = id; }
   // Id 1, 2, 3 ... False: the image does not fit the camera model, or this id came before; ignored.
   bool add_keyframe(std::int64_t id, const RgbdFrame& frame);

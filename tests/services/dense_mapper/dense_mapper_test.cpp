@@ -128,6 +128,25 @@ TEST(DenseMapper, ArrivalOrderDoesNotMatter) {
   }
 }
 
+// After a reset ids count on.
+TEST(DenseMapper, AMapThatBeginsWithAnyKeyframeIsTheSame) {
+  const World world;
+  const auto map_from = [&](std::int64_t first) {
+    DenseMapper mapper = world.mapper();
+    mapper.begin_at(first);
+    Maps maps;
+    for (const auto& [id, pose] : world.poses) {
+      EXPECT_TRUE(mapper.add_keyframe(first - 1 + id, world.frame(id)));
+      mapper.set_pose(first - 1 + id, pose, 1000 * id);
+      mapper.integrate_ready();
+      if (mapper.due()) maps.take(mapper.update(false));
+    }
+    EXPECT_FALSE(maps.cloud.empty());  // a submap is full
+    return maps.bytes();
+  };
+  EXPECT_EQ(map_from(1), map_from(18));
+}
+
 TEST(DenseMapper, MovedAnchorsMoveTheMapWithoutImages) {
   const World world;
   const SE3 correction = from_xyz_rpy(0.8, -0.4, 0.0, 0.0, 0.0, 0.5);
