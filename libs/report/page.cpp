@@ -12,8 +12,13 @@ const char kStyle[] = R"css(
   --soft: #a0a5b0; --line: #343842; --unknown: #4a4f5a; --bad: #ff8a80; --s1: #56b4e9; --s2: #ff9a4d; --s3: #2fd3a5;
   --s4: #e8a5cb; --s5: #f0e442; --s6: #9bd4f5; --s7: #b99cf0; --s8: #bbb; } }
 @media print { :root { color-scheme: light; --paper: #fff; --card: #fff; --ink: #000; --soft: #444;
-  --line: #ccc; --unknown: #e4e4e4; } section, figure, tr { break-inside: avoid; } details { display: block; }
-  body { max-width: none !important; } }
+  --line: #ccc; --unknown: #e4e4e4; --s1: #0072b2; --s2: #d55e00; --s3: #009e73; --s4: #cc79a7; --s5: #8a6d00;
+  --s6: #3a9fd6; --s7: #7a4fbf; --s8: #555; --bad: #b3261e; } figure, tr, .fact { break-inside: avoid; }
+  h2, h2 + p { break-after: avoid; } details::details-content { content-visibility: visible; } summary { display: none; }
+  * { print-color-adjust: exact; } pre { white-space: pre-wrap; font-size: 8.5px !important; } th, td { white-space: normal !important; }
+  body { max-width: none !important; padding: 0 !important; font-size: 12px !important; }
+  .figures { grid-template-columns: 1fr 1fr !important; } }
+@page { margin: 14mm; }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 28px 20px 60px; max-width: 1120px; background: var(--paper);
   color: var(--ink); font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; }
@@ -50,7 +55,7 @@ th, td { text-align: left; padding: 5px 12px 5px 0; border-bottom: 1px solid var
 td.number { font-variant-numeric: tabular-nums; }
 pre { overflow-x: auto; font: 12px/1.45 ui-monospace, "DejaVu Sans Mono", monospace;
   background: var(--card); border: 1px solid var(--line); border-radius: 8px; padding: 12px; }
-summary { cursor: pointer; }
+summary { cursor: pointer; } img { max-width: 100%; display: block; }
 )css";
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "libs/evaluation/plot/map_plot.hpp"
 #include "libs/evaluation/tum_file.hpp"
 #include "libs/maps/ros_map_reader.hpp"
+#include "logplayer/eval/report_page.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -207,19 +208,22 @@ int run_map_task(const MapTaskOptions& options) {
   result.score =
       score_map(result.reference, result.classes, result.resampled, options.tolerance_cells);
   if (!options.json.empty()) write_json(options.json, to_json(options, result));
-  if (!options.plot.empty()) {
+  const std::string table = to_table(options, result);
+  if (!options.plot.empty() || !options.report.empty()) {
     const MapScore& s = result.score;
-    write_png(
-        options.plot,
+    const cv::Mat plot =
         draw_map_plot({result.reference, result.classes, result.resampled, s,
                        options.tolerance_cells, "Occupancy map",
                        format("%s   precision %.1f %%   recall %.1f %%   F1 %.1f %%   IoU %.1f "
                               "%%   free space %.1f %%   tolerance %d",
                               options.estimate.filename().c_str(), percent(s.precision()),
                               percent(s.recall()), percent(s.f1()), percent(s.iou()),
-                              percent(s.free_accuracy()), options.tolerance_cells)}));
+                              percent(s.free_accuracy()), options.tolerance_cells)});
+    if (!options.plot.empty()) write_png(options.plot, plot);
+    if (!options.report.empty())
+      write_table_report(options.report, options.estimate.string(), table, png_of(plot));
   }
-  std::cout << to_table(options, result);
+  std::cout << table;
   return 0;
 }
 

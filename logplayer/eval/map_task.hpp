@@ -17,8 +17,9 @@ struct MapTaskOptions {
   std::filesystem::path classes;             // empty: none
   int tolerance_cells = 1;
   double max_diff_s = 0.01;
-  std::filesystem::path json;  // empty: none
-  std::filesystem::path plot;  // empty: none
+  std::filesystem::path json;    // empty: none
+  std::filesystem::path plot;    // empty: none
+  std::filesystem::path report;  // empty: none
 };
 
 // Adds the sub-command's arguments; `options` must outlive the parsing.

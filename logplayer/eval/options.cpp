@@ -24,6 +24,9 @@ const CLI::Validator kNotNegative(
     },
     "NUMBER >= 0");
 
+const char* const kReportHelp =
+    "write a page for people: one file, with what `run` left beside the estimate";
+
 template <typename Enum>
 std::map<std::string, Enum> by_name(const std::vector<Enum>& values) {
   std::map<std::string, Enum> names;
@@ -122,7 +125,9 @@ int parse_command_line(int argc, char** argv, EvalOptions& options) {
   add_relations_options(*relations, options);
   for (CLI::App* task : {ape, rpe, relations}) {
     task->add_option("--json", options.json, "write all numbers to this file")->type_name("FILE");
+    task->add_option("--report", options.report, kReportHelp)->type_name("FILE.html");
   }
+  map->add_option("--report", options.map.report, kReportHelp)->type_name("FILE.html");
   try {
     app.parse(argc, argv);
     if (!window.empty()) {

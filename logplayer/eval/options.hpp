@@ -19,9 +19,10 @@ struct EvalOptions {
   EvaluationOptions evaluation;
   RelativeOptions relative;
   RelationsOptions relations;
-  MapTaskOptions map;          // with its own files
-  std::filesystem::path json;  // empty: none
-  std::filesystem::path plot;  // empty: none
+  MapTaskOptions map;            // with its own files
+  std::filesystem::path json;    // empty: none
+  std::filesystem::path plot;    // empty: none
+  std::filesystem::path report;  // empty: none
 };
 
 // Fills `options` and returns -1, or prints help (returns 0) or what is wrong with the usage

@@ -7,6 +7,7 @@
 
 #include "libs/evaluation/tum_file.hpp"
 #include "logplayer/eval/report.hpp"
+#include "logplayer/eval/report_page.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -30,7 +31,11 @@ int run_relations(const EvalOptions& options) {
   const auto result = evaluate_relations(relations, estimate.trajectory, options.relations);
   if (!result) return fail(result.problem);
   write_json(options.json, to_json(options, estimate, *result));
-  std::cout << to_table(options, estimate, *result);
+  const std::string table = to_table(options, estimate, *result);
+  if (!options.report.empty())
+    write_table_report(options.report, options.estimate.filename().string() + ": relations", table,
+                       "");
+  std::cout << table;
   return 0;
 }
 
@@ -48,7 +53,9 @@ int run_trajectory_error(const EvalOptions& options) {
     write_png(options.plot, draw_error_plot({*result, reference.trajectory, estimate.trajectory,
                                              to_plot_text(options, *result)}));
   }
-  std::cout << to_table(options, reference, estimate, *result);
+  const std::string table = to_table(options, reference, estimate, *result);
+  if (!options.report.empty()) write_error_report(options, reference, estimate, *result, table);
+  std::cout << table;
   return 0;
 }
 

@@ -40,12 +40,16 @@ cv::Mat draw_error_plot(const ErrorPlotData& data) {
   return canvas.image();
 }
 
-void write_png(const std::filesystem::path& file, const cv::Mat& image) {
+std::string png_of(const cv::Mat& image) {
   std::vector<uchar> bytes;
   cv::imencode(".png", image, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+void write_png(const std::filesystem::path& file, const cv::Mat& image) {
+  const std::string bytes = png_of(image);
   std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()),
-            static_cast<std::streamsize>(bytes.size()));
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   out.close();
   if (!out) throw FileError(file.string(), "can't be written; does the folder exist, is it full?");
 }

@@ -31,6 +31,7 @@ struct ErrorPlotData {
 cv::Mat draw_error_plot(const ErrorPlotData& data);
 
 // Throws FileError (number_rows.hpp) when the file can't be written.
+std::string png_of(const cv::Mat& image);
 void write_png(const std::filesystem::path& file, const cv::Mat& image);
 
 }  // namespace fusion_slam

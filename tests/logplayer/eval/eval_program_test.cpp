@@ -138,6 +138,24 @@ TEST_F(EvalProgram, WritesJsonAndPlot) {
   EXPECT_GT(std::filesystem::file_size(path("out.png")), 10000u);
 }
 
+TEST_F(EvalProgram, WritesAPageForPeople) {
+  const auto page_of = [&](const std::string& arguments) {
+    const RunOutcome run = eval(arguments + " --report " + path("report.html"));
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    std::ifstream in(path("report.html"));
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  std::string page = page_of("ape " + both());
+  EXPECT_THAT(page, AllOf(StartsWith("<!doctype html>"), HasSubstr("Absolute pose error"),
+                          HasSubstr("<h2>Map</h2>"), HasSubstr("Coverage"), HasSubstr("<svg")));
+  EXPECT_EQ(page.find("<script"), std::string::npos);
+  EXPECT_EQ(page.find("http"), page.find("http://www.w3.org"));  // nothing is fetched
+  page = page_of("rpe " + both() + " --relation rotation");
+  EXPECT_THAT(page, AllOf(HasSubstr("Relative pose error"), HasSubstr("error, deg")));
+  page = page_of("relations " + path("lab.relations") + " " + path("ref.tum"));
+  EXPECT_THAT(page, HasSubstr("<pre>"));
+}
+
 TEST_F(EvalProgram, Relations) {
   const RunOutcome run = eval("relations " + path("lab.relations") + " " + path("ref.tum") +
                               " --json " + path("out.json"));
