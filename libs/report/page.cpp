@@ -17,7 +17,7 @@ const char kStyle[] = R"css(
   h2, h2 + p { break-after: avoid; } details::details-content { content-visibility: visible; } summary { display: none; }
   * { print-color-adjust: exact; } pre { white-space: pre-wrap; font-size: 8.5px !important; } th, td { white-space: normal !important; }
   body { max-width: none !important; padding: 0 !important; font-size: 12px !important; }
-  .figures { grid-template-columns: 1fr 1fr !important; } }
+  .figures { grid-template-columns: 1fr !important; } figure svg { max-height: 150mm; } }
 @page { margin: 14mm; }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 28px 20px 60px; max-width: 1120px; background: var(--paper);

@@ -364,6 +364,7 @@ void ViewerState::clear() {
   robot_.reset();
   reset_ = ResetGate("viewer");
   newest_us_ = first_us_ = camera_us_ = 0;
+  has_pose_ = false;
 }
 
 void ViewerState::clear_map() {
@@ -375,7 +376,6 @@ void ViewerState::clear_map() {
   truth_.clear();
   keyframes_.clear();
   T_map_base_ = T_map_path_ = SE3::Identity();
-  has_pose_ = false;
   aligned_ = true;
   path_m_ = 0.0;
 }

@@ -102,6 +102,16 @@ for (const one of pages) await until("a map on each", async () => (await stats(o
 await bytesWhilePlaying(pages[0], "one of ten browsers", 15);
 const health = await (await fetch(`${URL}health`)).json();
 console.log(`ten browsers: ${health.browsers.length} connected, viewer's memory ${rss().toFixed(0)} MB`);
+// One that takes nothing any more: what it asked for waits in no queue.
+const asleep = await open(browser, `${URL}licences.txt`, {}, faults);
+await asleep.evaluate((url) => {
+  const socket = new WebSocket(url);
+  socket.onopen = () => socket.send(JSON.stringify({ type: "want", topics: ["cloud", "octomap", "fused", "pose", "camera", "nodes"] }));
+}, `ws://127.0.0.1:${PORT}/socket`);
+const awake = rss();
+await bytesWhilePlaying(pages[0], "one of ten browsers, an eleventh asleep", 15);
+const eleventh = (await (await fetch(`${URL}health`)).json()).browsers.at(-1);
+console.log(`asleep: ${JSON.stringify(eleventh)}, viewer's memory ${awake.toFixed(0)} MB before, ${rss().toFixed(0)} MB after`);
 await browser.close();
 await stop(viewer);
 if (faults.length) console.log(`in the console: ${faults.join("; ")}`);

@@ -87,6 +87,7 @@ async function command(request: Record<string, unknown>): Promise<void> {
 function startAnew(): void {
   beginnings++;
   world.clear();
+  camera.clear();
   health.clear();
   loops.clear();
   session = null;
@@ -114,7 +115,10 @@ function take(item: Item, now: number): void {
     case "deputy": health.setDeputy(item.key, value<DeputyItem>()); break;
     case "loop": loops.set(item.key, value<LoopItem>()); break;
     case "camera": if (!item.gone) camera.setLive(item.data); break;
-    case "keyframe": if (!item.gone) camera.setKeyframe(item.data); break;
+    case "keyframe":
+      if (item.gone) camera.clear(); // the map was reset
+      else camera.setKeyframe(item.data);
+      break;
     default: break;
   }
 }
