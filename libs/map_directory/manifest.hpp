@@ -33,6 +33,8 @@ struct MapSummary {
   double path_length_m = 0.0;
   double free_area_m2 = 0.0;
   std::string grid;  // channel that map.pgm was made of; empty: no grid
+  // Not in manifest.json: messages the session lacks, by channel (gaps in its sequence numbers).
+  std::map<std::string, std::int64_t> lost;
 };
 
 struct Manifest {

@@ -155,6 +155,13 @@ MapSummary MapSaver::finish() {
                              ": no map was made in it. Give the session.lcmlog that `fusion-slam "
                              "run` leaves, or what `fusion-slam record` recorded beside the "
                              "services from their start");
+  // seq grows by one a message, from 1.
+  for (const std::string channel : {"KEYFRAME", "KEYFRAME_IMAGE", "LIDAR_NODE", "CONSTRAINT"}) {
+    const auto& seen = seqs_[channel];
+    if (seen.empty()) continue;
+    const std::int64_t lost = *seen.rbegin() - static_cast<std::int64_t>(seen.size());
+    if (lost > 0) summary_.lost[channel] = lost;
+  }
   write_state();
   const RobotModel& robot = *collector_.robot();
   const SessionResult result = collector_.write(directory_.path());

@@ -60,6 +60,11 @@ int save_map(const MapOptions& options) {
   how.images = options.images;
   const MapSummary summary = save_session(options.session, options.map, how);
   std::cout << options.map.string() << ": " << describe(summary);
+  for (const auto& [channel, lost] : summary.lost)
+    std::cerr << "map: warning: " << lost << " " << channel << " of this session "
+              << (lost == 1 ? "was" : "were")
+              << " not recorded; to localise or merge, those places are missing from the map. Run "
+                 "the log again on a machine with less load, or in lockstep\n";
   return 0;
 }
 

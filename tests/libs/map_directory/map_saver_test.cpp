@@ -65,6 +65,23 @@ TEST(MapSaver, TakesASessionThatIsCutOff) {
                    1.0);
 }
 
+TEST(MapSaver, SaysWhatTheSessionLost) {
+  const fs::path place = scratch();
+  EXPECT_TRUE(save_session(write_session(place / "whole"), place / "map", {}).lost.empty());
+  {
+    LogWriter writer(place / "gap.lcm");
+    RobotModel robot;
+    robot.has_lidar = true;
+    log(&writer, 1, "ROBOT_MODEL", to_message(robot, kSessionUs));
+    log(&writer, 2, "LIDAR_NODE", node_of(2, 0.0));  // number 1 is missing, as are 3 and 4
+    log(&writer, 3, "LIDAR_NODE", node_of(5, 1.0));
+    log(&writer, 4, "GRAPH", graph_of(1, 2, 0.0));
+    writer.close();
+  }
+  const MapSummary summary = save_session(place / "gap.lcm", place / "gap", {});
+  EXPECT_EQ(summary.lost, (std::map<std::string, std::int64_t>{{"LIDAR_NODE", 3}}));
+}
+
 TEST(MapSaver, RefusesWhatIsNoMap) {
   const fs::path place = scratch();
   const fs::path session = write_session(place / "run");
