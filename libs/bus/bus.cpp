@@ -51,21 +51,18 @@ void Bus::publish_raw(const std::string& channel,
   impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   const auto bytes = encode(impl_->outbox.next_seq(channel));
+  impl_->write_said(channel, bytes);
   impl_->outbox.sent(channel, bytes);
   impl_->send(channel, bytes);
 }
 
 void Bus::publish_bytes(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
-  if (impl_->recovering) return;
-  impl_->pace();
-  const std::lock_guard<std::mutex> lock(impl_->out_mutex);
-  impl_->outbox.sent(channel, bytes);
-  impl_->send(channel, bytes);
+  publish_raw(channel, [&bytes](std::int64_t) { return bytes; });
 }
 
+// While a journal is read back tiles are kept and not sent: the index says what there is.
 void Bus::publish_tile(const std::string& channel, tile_t tile) {
-  if (impl_->recovering) return;
-  impl_->pace();
+  if (!impl_->recovering) impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
   const auto cleared = impl_->cleared_revision.find(channel);
   tile.revision +=
@@ -106,8 +103,9 @@ void Bus::clear_tiles(const std::string& channel) {
 void Bus::Impl::send_tile(const std::string& channel, tile_t tile) {
   tile.seq = outbox.next_seq(channel);
   const auto bytes = bus_detail::encode(tile);
+  if (!recovering) write_said(channel, bytes);
   outbox.sent_tile(channel, {tile.submap_id, tile.x, tile.y, tile.z}, tile.revision, bytes);
-  send(channel, bytes);
+  if (!recovering) send(channel, bytes);
 }
 
 void Bus::run() {
@@ -136,8 +134,23 @@ void Bus::every(int period_ms, std::function<void()> callback) {
   impl_->timers.push_back({period_ms * 1000LL, steady_us(), std::move(callback)});
 }
 
-void Bus::keep_in_journal(const std::set<std::string>& channels) {
+void Bus::keep_in_journal(const std::set<std::string>& channels, Recover when) {
   impl_->journal_channels = channels;
+  impl_->recover_when_asked = when == Recover::kWhenAsked;
+}
+
+void Bus::recover() { impl_->read_handled(); }
+bool Bus::recovering() const { return impl_->recovering; }
+std::int64_t Bus::first_revision() const { return impl_->first_revision; }
+
+void Bus::keep_said_raw(const std::string& channel, std::uint64_t fingerprint, bool sent,
+                        Decode decode) {
+  impl_->said[channel] = {{builtin_schema().find(fingerprint), std::move(decode)}, sent};
+}
+
+void Bus::note_raw(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+  if (impl_->recovering) return;
+  impl_->append_to_journal(channel, bytes);
 }
 
 void Bus::set_state_text(const std::string& text) {

@@ -72,7 +72,24 @@ class Bus {
   // are handled. run() first hands over what an earlier process wrote there: what is published
   // meanwhile goes nowhere, and numbers that are missing since are asked for. Nothing happens
   // without a journal, or in replay modes.
-  void keep_in_journal(const std::set<std::string>& channels);
+  // kWhenAsked: not run() but recover() hands over, for who needs something else first.
+  enum class Recover { kAtOnce, kWhenAsked };
+  void keep_in_journal(const std::set<std::string>& channels, Recover when = Recover::kAtOnce);
+  void recover();           // kWhenAsked, from a handler; the second time nothing happens
+  bool recovering() const;  // a handler is given what an earlier process has handled
+  // What is published on this channel is written to the journal before it is sent. run() hands to
+  // `handler` what an earlier process said; its numbers go on, and RESEND and tile indexes answer
+  // for it. Before run(); the handlers of subscribed channels come in the order of the records.
+  template <class Message>
+  void keep_said(const std::string& channel, std::function<void(const Message&)> handler);
+  // A record in the journal alone, and where it goes when it is read back.
+  template <class Message>
+  void note(const std::string& channel, const Message& message);
+  template <class Message>
+  void on_note(const std::string& channel, std::function<void(const Message&)> handler);
+  // Live: larger than any that an earlier process of this name can have begun with (seconds since
+  // 1970 times a million, or above what its journal holds). Replays: 0.
+  std::int64_t first_revision() const;
 
   // Shown in STATUS until changed; any thread.
   void set_state_text(const std::string& text);
@@ -106,6 +123,9 @@ class Bus {
   using Decode = std::function<void(const std::uint8_t* bytes, std::size_t size_bytes)>;
   void subscribe_raw(const std::string& channel, std::uint64_t fingerprint, Policy policy,
                      Decode decode);
+  void keep_said_raw(const std::string& channel, std::uint64_t fingerprint, bool sent,
+                     Decode decode);
+  void note_raw(const std::string& channel, const std::vector<std::uint8_t>& bytes);
   void listen_raw(const std::string& channel, std::uint64_t fingerprint, Decode decode);
   // Fills and sends under one lock, so that numbers go out in order.
   void publish_raw(const std::string& channel,

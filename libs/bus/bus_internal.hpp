@@ -34,6 +34,7 @@ struct Bus::Impl {
   void on_resend(const resend_t& request);
   void on_step(const step_t& step);
   void on_peer_status(const status_t& peer);
+  void restarted_by(const status_t& peer, const channel_stats_t& theirs, Inbox::Channel& mine);
   void idle();  // STATUS, indexes, requests for what is missing, answers to requests
   void request_missing(std::int64_t now);
   void answer_requests(std::int64_t now);
@@ -63,6 +64,7 @@ struct Bus::Impl {
   // What a peer's STATUS said of a channel whose messages carry no number.
   struct Peer {
     std::int32_t pid = 0;
+    std::string host;
     std::int64_t base = 0;       // its count minus ours when we first heard of it
     std::int64_t published = 0;  // a second ago
   };
@@ -98,10 +100,23 @@ struct Bus::Impl {
   int burst_messages = 0;
   std::size_t burst_bytes = 0;
 
-  void open_journal();  // hands over what is in it
+  struct Said {  // a channel that this process publishes
+    Handler handler;
+    bool sent = false;  // false: notes, for the journal alone
+  };
+  void open_journal();  // hands over what is in it, or waits with that until read_handled()
+  void read_said();
+  void read_handled();
   void write_to_journal(const InboxItem& item);
+  void write_said(const std::string& channel, const std::vector<std::uint8_t>& bytes);
+  void append_to_journal(const std::string& channel, const std::vector<std::uint8_t>& bytes);
+  void hand_over(const std::string& channel, const Handler& handler, const LogEvent& event);
   std::set<std::string> journal_channels;
-  std::unique_ptr<Journal> journal;     // handling thread only
+  std::map<std::string, Said> said;
+  bool recover_when_asked = false;
+  std::int64_t n_to_recover = 0;     // records of earlier processes that wait for read_handled()
+  std::mutex journal_mutex;          // taken last
+  std::unique_ptr<Journal> journal;
   std::atomic<bool> recovering{false};  // what is published goes nowhere
 
   std::vector<Timer> timers;  // handling thread only

@@ -1,5 +1,5 @@
-// The Bus's journal: a live process that is killed and started again first handles again what it
-// had handled.
+// The Bus's journal: a live process that is killed and started again first takes back what it had
+// said, then handles again what it had handled.
 #include <iostream>
 
 #include "libs/bus/bus_internal.hpp"
@@ -7,12 +7,67 @@
 #include "libs/schema/guard.hpp"
 
 namespace fusion_slam {
+namespace {
+
+constexpr std::int64_t kRevisionStep = 1'000'000;  // more tiles than one process makes of a key
+
+// Reads at most so many records.
+template <class OnRecord>
+void read_first(const std::string& file, std::int64_t n_records, OnRecord on_record) {
+  std::int64_t n = 0;
+  read_journal(file, [&](const LogEvent& event) {
+    if (n++ < n_records) on_record(event);
+  });
+}
+
+}  // namespace
 
 void Bus::Impl::open_journal() {
-  if (options.journal.empty() || options.mode != Mode::kLive || journal || journal_channels.empty())
-    return;
-  journal = std::make_unique<Journal>(options.journal);
-  if (journal->state().n_records == 0) return;
+  const bool wanted = !journal_channels.empty() || !said.empty();
+  if (options.journal.empty() || options.mode != Mode::kLive || journal || !wanted) return;
+  {
+    const std::lock_guard<std::mutex> lock(journal_mutex);
+    journal = std::make_unique<Journal>(options.journal);
+    n_to_recover = journal->state().n_records;
+  }
+  if (n_to_recover == 0) return;
+  read_said();
+  if (!recover_when_asked) read_handled();
+}
+
+void Bus::Impl::hand_over(const std::string& channel, const Handler& handler,
+                          const LogEvent& event) {
+  if (passes_guard(channel, *handler.type, event.data.data(), event.data.size()))
+    decode_safely(channel, handler.decode, event.data.data(), event.data.size());
+}
+
+// Numbers and revisions go on where they ended, whatever the clock says now.
+void Bus::Impl::read_said() {
+  if (said.empty()) return;
+  recovering = true;
+  const LcmType* tile_type = builtin_schema().find("fusion_slam.tile_t");
+  read_first(options.journal, n_to_recover, [&](const LogEvent& event) {
+    const auto it = said.find(event.channel);
+    if (it == said.end()) return;
+    if (it->second.sent) {
+      const std::lock_guard<std::mutex> lock(out_mutex);
+      if (it->second.handler.type == tile_type) {
+        const auto tile = bus_detail::decode<tile_t>(event.data.data(), event.data.size());
+        outbox.sent_tile(event.channel, {tile.submap_id, tile.x, tile.y, tile.z}, tile.revision,
+                         event.data);
+        while (first_revision < tile.revision) first_revision += kRevisionStep;
+      } else {
+        outbox.sent(event.channel, event.data);
+      }
+    }
+    hand_over(event.channel, it->second.handler, event);
+  });
+  recovering = false;
+}
+
+void Bus::Impl::read_handled() {
+  if (n_to_recover == 0) return;
+  const std::int64_t begin_us = steady_us();
   std::map<std::string, std::size_t> by_name;
   {
     const std::lock_guard<std::mutex> lock(mutex);
@@ -20,26 +75,25 @@ void Bus::Impl::open_journal() {
   }
   recovering = true;
   std::int64_t n = 0;
-  read_journal(options.journal, [&](const LogEvent& event) {
+  read_first(options.journal, n_to_recover, [&](const LogEvent& event) {
     const auto it = by_name.find(event.channel);
-    if (it == by_name.end()) return;
+    if (it == by_name.end() || journal_channels.count(event.channel) == 0) return;
     const Handler* handler = nullptr;
     {
       const std::lock_guard<std::mutex> lock(mutex);
       handler = &handlers[it->second];
     }
-    const std::uint8_t* bytes = event.data.data();
-    if (!passes_guard(event.channel, *handler->type, bytes, event.data.size())) return;
-    decode_safely(event.channel, handler->decode, bytes, event.data.size());
+    hand_over(event.channel, *handler, event);
     ++n;
     const std::lock_guard<std::mutex> lock(mutex);
     if (handler->type->continues_with_seq)
-      inbox.was_handled(it->second, peek_seq(bytes, event.data.size()).value_or(0),
-                        peek_utime(bytes, event.data.size()).value_or(0));
+      inbox.was_handled(it->second, peek_seq(event.data.data(), event.data.size()).value_or(0),
+                        peek_utime(event.data.data(), event.data.size()).value_or(0));
   });
   recovering = false;
+  n_to_recover = 0;
   std::cerr << options.process << ": built up again from " << n << " messages of "
-            << options.journal << std::endl;
+            << options.journal << " in " << (steady_us() - begin_us) / 1000 << " ms" << std::endl;
 }
 
 void Bus::Impl::write_to_journal(const InboxItem& item) {
@@ -49,10 +103,20 @@ void Bus::Impl::write_to_journal(const InboxItem& item) {
     const std::lock_guard<std::mutex> lock(mutex);
     channel = inbox.channels()[item.channel].name;
   }
-  if (journal_channels.count(channel) == 0) return;
-  if (!journal->append(wall_us(), channel, item.bytes.data(), item.bytes.size()))
-    report("the journal " + options.journal +
-           " can't be written: is the disk full? A restart would lose " + channel + " from now on");
+  if (journal_channels.count(channel) != 0) append_to_journal(channel, item.bytes);
+}
+
+void Bus::Impl::write_said(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+  const auto it = said.find(channel);
+  if (it != said.end() && it->second.sent) append_to_journal(channel, bytes);
+}
+
+void Bus::Impl::append_to_journal(const std::string& channel,
+                                  const std::vector<std::uint8_t>& bytes) {
+  const std::lock_guard<std::mutex> lock(journal_mutex);
+  if (!journal || journal->append(wall_us(), channel, bytes.data(), bytes.size())) return;
+  report("the journal " + options.journal +
+         " can't be written: is the disk full? A restart would lose " + channel + " from now on");
 }
 
 }  // namespace fusion_slam

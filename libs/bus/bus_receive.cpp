@@ -110,6 +110,7 @@ void Bus::Impl::on_peer_status(const status_t& peer) {
     if (theirs.published == 0) continue;
     for (auto& mine : inbox.channels()) {
       if (mine.name != theirs.channel) continue;
+      if (mine.has_seq && options.mode == Mode::kLive) restarted_by(peer, theirs, mine);
       if (mine.has_seq || options.mode != Mode::kLive) {
         inbox.expect(mine.name, theirs.published, now);
         continue;
@@ -117,12 +118,27 @@ void Bus::Impl::on_peer_status(const status_t& peer) {
       // What it had sent a second ago should be here by now.
       Peer& known = peers[peer.process + "/" + mine.name];
       if (known.pid != peer.pid)
-        known = {peer.pid, theirs.published - mine.counters.received, theirs.published};
+        known = {peer.pid, peer.host, theirs.published - mine.counters.received, theirs.published};
       const std::int64_t lost = known.published - known.base - mine.counters.received;
       mine.counters.lost = std::max(mine.counters.lost, lost);
       known.published = theirs.published;
     }
   }
+}
+
+// Another process of this name counts lower than the one before: its numbers are new ones, even when
+// no measurement is newer (tiles of a map that stands still).
+void Bus::Impl::restarted_by(const status_t& peer, const channel_stats_t& theirs,
+                             Inbox::Channel& mine) {
+  Peer& known = peers[peer.process + "/" + mine.name];
+  const std::int64_t before = known.published;
+  const bool another = known.pid != 0 && (known.pid != peer.pid || known.host != peer.host);
+  known.pid = peer.pid;
+  known.host = peer.host;
+  known.published = theirs.published;
+  // Below: a newer measurement has begun the new stream already.
+  if (another && theirs.published < before && mine.sequence.highest() >= before)
+    mine.sequence.restart();
 }
 
 void Bus::Impl::request_missing(std::int64_t now) {

@@ -60,6 +60,23 @@ void Bus::listen(const std::string& channel, std::function<void(const Message&)>
 }
 
 template <class Message>
+void Bus::keep_said(const std::string& channel, std::function<void(const Message&)> handler) {
+  keep_said_raw(channel, static_cast<std::uint64_t>(Message::getHash()), true,
+                bus_detail::decoder<Message>(std::move(handler)));
+}
+
+template <class Message>
+void Bus::on_note(const std::string& channel, std::function<void(const Message&)> handler) {
+  keep_said_raw(channel, static_cast<std::uint64_t>(Message::getHash()), false,
+                bus_detail::decoder<Message>(std::move(handler)));
+}
+
+template <class Message>
+void Bus::note(const std::string& channel, const Message& message) {
+  note_raw(channel, bus_detail::encode(message));
+}
+
+template <class Message>
 void Bus::publish(const std::string& channel, Message message) {
   publish_raw(channel, [&message](std::int64_t seq) {
     if constexpr (bus_detail::HasSeq<Message>::value) message.seq = seq;

@@ -31,6 +31,15 @@ SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_
   return missing_.erase(seq) + given_up_.erase(seq) > 0 ? Seen::kNew : Seen::kDuplicate;
 }
 
+void SequenceTracker::restart() {
+  joined_ = false;
+  floor_ = 1;
+  highest_ = 0;
+  missing_.clear();
+  given_up_.clear();
+  before_floor_.clear();
+}
+
 bool SequenceTracker::was_seen(std::int64_t seq) const {
   if (seq < floor_) return before_floor_.count(seq) > 0;
   return seq <= highest_ && missing_.count(seq) + given_up_.count(seq) == 0;

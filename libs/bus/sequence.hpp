@@ -24,6 +24,9 @@ class SequenceTracker {
   // stream: its publisher was started again.
   Seen see(std::int64_t seq, std::int64_t utime_us, std::int64_t now_us);
 
+  // The publisher was started again and counts anew: what comes next is where this listener joins.
+  void restart();
+
   // The publisher has sent `count` messages: those not seen are missing from now on.
   void expect(std::int64_t count, std::int64_t now_us);
 

@@ -199,6 +199,29 @@ void LidarMapper::reset() {
   nodes_since_publication_ = 0;
 }
 
+std::vector<Tile> LidarMapper::resume(const std::vector<LidarNode>& nodes) {
+  if (nodes.empty() || node_id_ != 0) return {};
+  const LidarNode& last = nodes.back();
+  for (const ActiveSubmaps::Membership& active : last.submaps) {
+    Submap submap(active.submap_id, last.T_odom_base * active.T_submap_base.inverse(),
+                  robot_.map_resolution_m, config_);
+    for (const LidarNode& node : nodes)
+      for (const ActiveSubmaps::Membership& member : node.submaps)
+        if (member.submap_id == active.submap_id)
+          submap.insert(points_again(node.points_base, robot_),
+                        submap.T_odom_submap() * member.T_submap_base, node.utime_us);
+    submaps_.restore(std::move(submap));
+  }
+  std::vector<Tile> tiles = submaps_.finish_full();
+  append(tiles, submaps_.take_changed_tiles());
+  node_id_ = last.id;
+  T_odom_node_ = T_odom_base_ = last.T_odom_base;
+  last_fix_us_ = last_scan_.utime_us = last.utime_us;
+  clock_.advance(last.utime_us);
+  filter_.clone();
+  return tiles;
+}
+
 std::vector<Tile> LidarMapper::finish() {
   nodes_since_publication_ = 0;
   return submaps_.take_changed_tiles();

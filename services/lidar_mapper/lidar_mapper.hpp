@@ -78,6 +78,15 @@ class LidarMapper {
   // on, and the first node has none before it.
   void reset();
 
+  // Goes on where an earlier process ended, before the first scan: its last nodes, oldest first, at
+  // least nodes_to_resume() of them where there are as many. The active submaps are built again
+  // from their scans; the next scan is looked for around the last node, as after a gap in the
+  // scans. Returns the active submaps' tiles.
+  std::vector<Tile> resume(const std::vector<LidarNode>& nodes);
+  static int nodes_to_resume(const LidarMapperConfig& config = {}) {
+    return 2 * config.nodes_per_half_submap;
+  }
+
   // What add_scan still held back: the changed tiles of the active submaps. Mapping may go on
   // afterwards.
   std::vector<Tile> finish();

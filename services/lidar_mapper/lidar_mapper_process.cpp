@@ -75,6 +75,21 @@ lidar_node_t node_message(const LidarNode& node) {
   return m;
 }
 
+std::optional<LidarNode> from_message(const lidar_node_t& m) {
+  const auto T_odom_base = from_message(m.T_odom_base);
+  if (!T_odom_base) return std::nullopt;
+  LidarNode node;
+  node.id = m.id;
+  node.utime_us = m.utime;
+  node.T_odom_base = to_se2(*T_odom_base);
+  node.previous_id = m.previous_id;
+  for (std::size_t i = 0; i < m.submap_ids.size(); ++i)
+    if (const auto T_submap_base = from_message(m.T_submap_base[i]))
+      node.submaps.push_back({m.submap_ids[i], to_se2(*T_submap_base)});
+  for (std::size_t i = 0; i < m.x_m.size(); ++i) node.points_base.emplace_back(m.x_m[i], m.y_m[i]);
+  return node;
+}
+
 }  // namespace
 
 LidarMapperProcess::LidarMapperProcess(Bus& bus) : bus_(bus), submap_tiles_(bus, "SUBMAP") {
@@ -88,7 +103,18 @@ LidarMapperProcess::LidarMapperProcess(Bus& bus) : bus_(bus), submap_tiles_(bus,
                                   [this](const pose_estimate_t& m) { on_visual_pose(m); });
   bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                             [this](const command_t& m) { on_command(m); });
+  // Nodes carry their scans, so they rebuild the active submaps; finished ones are their tiles.
+  bus_.keep_said<lidar_node_t>("LIDAR_NODE", [this](const lidar_node_t& m) { on_earlier_node(m); });
+  bus_.keep_said<tile_t>("SUBMAP", [](const tile_t&) {});
   say_state();
+}
+
+void LidarMapperProcess::on_earlier_node(const lidar_node_t& message) {
+  auto node = from_message(message);
+  if (!node) return;
+  earlier_.push_back(std::move(*node));
+  while (earlier_.size() > static_cast<std::size_t>(LidarMapper::nodes_to_resume()))
+    earlier_.pop_front();
 }
 
 void LidarMapperProcess::on_robot_model(const robot_model_t& message) {
@@ -98,6 +124,8 @@ void LidarMapperProcess::on_robot_model(const robot_model_t& message) {
   if (!robot) return bus_.report_error("ROBOT_MODEL is not usable: " + why);
   if (!robot->has_lidar) return bus_.set_state_text("this robot has no LiDAR");
   mapper_.emplace(*robot);
+  if (!earlier_.empty()) publish(mapper_->resume({earlier_.begin(), earlier_.end()}));
+  earlier_.clear();
   if (!waiting_.empty()) handle_scans(waiting_.back().utime_us);
   say_state();
 }

@@ -8,6 +8,7 @@
 #include "bot_core/planar_lidar_t.hpp"
 #include "bot_core/pose_t.hpp"
 #include "fusion_slam/command_t.hpp"
+#include "fusion_slam/lidar_node_t.hpp"
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
@@ -28,6 +29,7 @@ class LidarMapperProcess {
   void on_visual_pose(const pose_estimate_t& message);
   void on_command(const command_t& message);
 
+  void on_earlier_node(const lidar_node_t& message);
   // Handles waiting scans up to `utime_us`: the model must be known.
   void handle_scans(std::int64_t utime_us);
   bool odometry_is_coming(std::int64_t utime_us) const;
@@ -38,6 +40,7 @@ class LidarMapperProcess {
   Bus& bus_;
   ResetGate reset_{"lidar_mapper"};
   TilePublisher submap_tiles_;
+  std::deque<LidarNode> earlier_;      // last nodes of an earlier process, by the journal
   std::optional<LidarMapper> mapper_;  // made when the first ROBOT_MODEL comes
   // Scans that wait for the model, or for the odometry of their time.
   std::deque<LaserScan> waiting_;

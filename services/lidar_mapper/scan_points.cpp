@@ -1,6 +1,9 @@
 #include "services/lidar_mapper/scan_points.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "libs/scan_matching/surface_normals.hpp"
 #include "services/lidar_mapper/surface_fill.hpp"
@@ -28,6 +31,26 @@ ScanPoints read_scan(const LaserScan& scan, const RobotModel& robot, const Twist
   const Eigen::Vector2d lidar = robot.T_base_lidar.translation().head<2>();
   points.sweep.normals = surface_normals(points.sweep.points, lidar);
   straighten(scan, robot, twist, points);
+  return points;
+}
+
+ScanPoints points_again(Points hits_base, const RobotModel& robot) {
+  ScanPoints points;
+  points.origin_base = robot.T_base_lidar.translation().head<2>();
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < hits_base.size(); ++i) {
+    const Eigen::Vector2d a = hits_base[i - 1] - points.origin_base;
+    const Eigen::Vector2d b = hits_base[i] - points.origin_base;
+    steps.push_back(std::abs(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b))));
+  }
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
+                   steps.end());
+  const double radstep = steps.empty() ? 0.0 : steps[steps.size() / 2];
+  points.sweep.points = hits_base;
+  points.sweep.normals = surface_normals(hits_base, points.origin_base);
+  points.surface_base = fill_surfaces(hits_base, points.origin_base, radstep,
+                                      0.7 * robot.map_resolution_m, robot.lidar.sigma_m);
+  points.hits_base = std::move(hits_base);
   return points;
 }
 

@@ -22,6 +22,10 @@ struct ScanPoints {
 ScanPoints read_scan(const LaserScan& scan, const RobotModel& robot, const Twist& twist,
                      double max_range_m);
 
+// A scan again from its returns in base, distortion removed, in the order of the beams (what
+// LIDAR_NODE carries). The angle between beams is taken to be the median of neighbours'.
+ScanPoints points_again(Points hits_base, const RobotModel& robot);
+
 // Removes the distortion anew, for a robot that moved with `twist` during the sweep.
 void straighten(const LaserScan& scan, const RobotModel& robot, const Twist& twist,
                 ScanPoints& points);

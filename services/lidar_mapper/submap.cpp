@@ -57,7 +57,11 @@ std::vector<Tile> ActiveSubmaps::insert(std::int64_t node_id, const ScanPoints& 
     submap.insert(scan, T_odom_base, utime_us);
     inserted_into_.push_back({submap.id(), submap.T_odom_submap().inverse() * T_odom_base});
   }
-  if (submaps_.front().n_scans() < 2 * config_.nodes_per_half_submap) return {};
+  return finish_full();
+}
+
+std::vector<Tile> ActiveSubmaps::finish_full() {
+  if (submaps_.empty() || submaps_.front().n_scans() < 2 * config_.nodes_per_half_submap) return {};
   std::vector<Tile> last = submaps_.front().take_changed_tiles();
   submaps_.erase(submaps_.begin());
   return last;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "libs/geometry/pose.hpp"
@@ -61,6 +62,11 @@ class ActiveSubmaps {
     SE2 T_submap_base;
   };
   const std::vector<Membership>& inserted_into() const { return inserted_into_; }
+
+  // An earlier process's submap, before any insert(): in order of their anchors.
+  void restore(Submap submap) { submaps_.push_back(std::move(submap)); }
+  // Finishes what restore() brought and is full already. Returns its last tiles.
+  std::vector<Tile> finish_full();
 
   std::vector<Tile> take_changed_tiles();
   // Ends the active submaps: the next node starts afresh. Returns their last tiles.

@@ -31,8 +31,13 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus) {
   bus.subscribe<lidar_node_t>("LIDAR_NODE", Policy::kKeepAll, on(&PoseGraphProcess::on_lidar_node));
   bus.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll, on(&PoseGraphProcess::on_constraint));
   bus.subscribe<constraint_t>("LEVEL", Policy::kKeepAll, on(&PoseGraphProcess::on_level));
-  // What the graph is made of, and where it began anew; poses between only serve the moment.
-  bus.keep_in_journal({"ROBOT_MODEL", "KEYFRAME", "LIDAR_NODE", "CONSTRAINT", "LEVEL", "COMMAND"});
+  // What the graph is made of, and where it began anew. Poses, too: they tie keyframes to the LiDAR's trajectory.
+  bus.keep_in_journal({"ROBOT_MODEL", "CAMERA_MODEL", "KEYFRAME", "LIDAR_NODE", "CONSTRAINT",
+                       "LEVEL", "VISUAL_POSE", "LIDAR_POSE", "ODOMETRY",
+                       "COMMAND"});
+  bus.on_note<graph_t>("GRAPH", [this](const graph_t& m) {
+    earlier_revision_ = std::max(earlier_revision_, m.revision);
+  });
   bus.subscribe<bot_core::pose_t>("ODOMETRY", Policy::kKeepAll, on(&PoseGraphProcess::on_odometry));
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll, on(&PoseGraphProcess::on_command));
   const auto on_pose_of = [this](NodeKind sensor) {
@@ -142,6 +147,10 @@ void PoseGraphProcess::publish_complete() {
   last_complete_ = graph_.revision();
 }
 
+std::int64_t PoseGraphProcess::revision() const {
+  return std::max(bus_.first_revision(), earlier_revision_) + graph_.revision();
+}
+
 void PoseGraphProcess::publish_graph(const std::vector<graph_node_t>& nodes, bool complete) {
   const std::size_t n_parts =
       std::max<std::size_t>(1, (nodes.size() + kNodesPerPart - 1) / kNodesPerPart);
@@ -151,7 +160,7 @@ void PoseGraphProcess::publish_graph(const std::vector<graph_node_t>& nodes, boo
                                          std::min(nodes.size(), (part + 1) * kNodesPerPart));
     graph_t message{};
     message.utime = graph_.newest_utime_us();
-    message.revision = graph_.revision();
+    message.revision = revision();
     message.complete = complete ? 1 : 0;
     message.part = static_cast<std::int32_t>(part);
     message.n_parts = static_cast<std::int32_t>(n_parts);
@@ -162,6 +171,7 @@ void PoseGraphProcess::publish_graph(const std::vector<graph_node_t>& nodes, boo
       for (const LoopState& loop : graph_.switched_off())
         message.switched_off.push_back(to_message(loop));
     message.n_switched_off = static_cast<std::int32_t>(message.switched_off.size());
+    if (!complete) bus_.note("GRAPH", message);
     bus_.publish("GRAPH", message);
   }
 }
