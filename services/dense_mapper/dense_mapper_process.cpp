@@ -28,6 +28,10 @@ DenseMapperProcess::DenseMapperProcess(Bus& bus)
   bus.subscribe<graph_t>("GRAPH", Policy::kKeepAll, [this](const graph_t& m) { on_graph(m); });
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                            [this](const command_t& m) { on_command(m); });
+  // An earlier process's images are mapped again at once where the graph has their keyframes now:
+  // so the journal is read when the graph is known, and none waits in memory for its pose.
+  bus.keep_in_journal({"KEYFRAME_IMAGE"}, Bus::Recover::kWhenAsked);
+  bus.keep_said<constraint_t>("LEVEL", [](const constraint_t&) {});
   bus.set_state_text("waiting for CAMERA_MODEL and ROBOT_MODEL");
 }
 
@@ -54,6 +58,7 @@ void DenseMapperProcess::start_when_ready() {
   for (const keyframe_image_t& image : early_images_) add_keyframe(image);
   early_graph_.clear();
   early_images_.clear();
+  if (complete_graph_) bus_.recover();
   integrate_and_publish();
 }
 
@@ -68,7 +73,10 @@ void DenseMapperProcess::on_keyframe_image(const keyframe_image_t& message) {
     return;
   }
   add_keyframe(message);
-  integrate_and_publish();
+  if (bus_.recovering())
+    mapper_->integrate_ready();
+  else
+    integrate_and_publish();
 }
 
 void DenseMapperProcess::add_keyframe(const keyframe_image_t& message) {
@@ -89,7 +97,9 @@ void DenseMapperProcess::on_graph(const graph_t& message) {
     early_graph_.push_back(message);
     return;
   }
-  if (take_graph(message)) integrate_and_publish();
+  if (!take_graph(message)) return;
+  if (complete_graph_) bus_.recover();
+  integrate_and_publish();
 }
 
 // All parts at once: a keyframe must not be placed by a pose from before the map moved and an
@@ -109,6 +119,7 @@ bool DenseMapperProcess::take_graph(const graph_t& message) {
   }
   for (const auto& [id, T_map_base] : moved_) mapper_->set_pose(id, T_map_base, message.utime);
   moved_.clear();
+  complete_graph_ = complete_graph_ || (message.complete != 0 && !message.nodes.empty());
   return true;
 }
 

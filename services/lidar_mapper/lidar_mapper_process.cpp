@@ -75,7 +75,7 @@ lidar_node_t node_message(const LidarNode& node) {
   return m;
 }
 
-std::optional<LidarNode> from_message(const lidar_node_t& m) {
+std::optional<LidarNode> node_from(const lidar_node_t& m) {
   const auto T_odom_base = from_message(m.T_odom_base);
   if (!T_odom_base) return std::nullopt;
   LidarNode node;
@@ -110,7 +110,7 @@ LidarMapperProcess::LidarMapperProcess(Bus& bus) : bus_(bus), submap_tiles_(bus,
 }
 
 void LidarMapperProcess::on_earlier_node(const lidar_node_t& message) {
-  auto node = from_message(message);
+  auto node = node_from(message);
   if (!node) return;
   earlier_.push_back(std::move(*node));
   while (earlier_.size() > static_cast<std::size_t>(LidarMapper::nodes_to_resume()))

@@ -47,6 +47,25 @@ std::vector<LoopCandidate> LoopDetector::add(const LoopScan& scan) {
   return settle(std::move(decided));
 }
 
+void LoopDetector::remember(LoopKeyframe keyframe) {
+  if (!keyframes_.empty() && keyframe.id <= keyframes_.rbegin()->first) return;
+  ++counts_.keyframes;
+  graph_.add(keyframe);
+  places_.add(keyframe.id, keyframe.utime_us, keyframe.features);
+  const std::int64_t id = keyframe.id;
+  keyframes_.emplace(id, std::move(keyframe));
+}
+
+void LoopDetector::remember(const LoopScan& scan) {
+  if (scan.id <= last_scan_) return;
+  last_scan_ = scan.id;
+  ++counts_.scans;
+  graph_.add(scan);
+  submaps_.add_scan(scan);
+  scans_[scan.id] = scan.points_base;
+  if (scans_.size() > config_.latest_scans) scans_.erase(scans_.begin());
+}
+
 std::vector<LoopCandidate> LoopDetector::finish() { return settle(consistency_.expired(0, true)); }
 
 void LoopDetector::switched_off(const NodeId& from, const NodeId& to) {

@@ -43,6 +43,10 @@ class LoopDetector {
   // one's of its kind is ignored.
   std::vector<LoopCandidate> add(LoopKeyframe keyframe);
   std::vector<LoopCandidate> add(const LoopScan& scan);
+  // The same of nodes that an earlier process has looked at: remembered, and nothing is searched.
+  void remember(LoopKeyframe keyframe);
+  void remember(const LoopScan& scan);
+  void remember(const LoopMeasurement& loop) { graph_.add_loop(loop); }  // a loop it accepted
   std::vector<LoopCandidate> finish();  // those that still wait for others are rejected
 
   void add_tile(const Tile& tile) { submaps_.add_tile(tile); }

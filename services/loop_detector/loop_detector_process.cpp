@@ -36,7 +36,30 @@ LoopDetectorProcess::LoopDetectorProcess(Bus& bus, LoopDetectorConfig config)
                              [this](const keyframe_t& m) { on_keyframe(m); });
   bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                             [this](const command_t& m) { on_command(m); });
+  // Nodes of an earlier process are remembered, not searched again: what it found is in the graph.
+  bus_.keep_in_journal({"CAMERA_MODEL", "ROBOT_MODEL", "LIDAR_NODE", "KEYFRAME"});
+  bus_.keep_said<constraint_t>("CONSTRAINT", [this](const constraint_t& m) { on_earlier_loop(m); });
   bus_.set_state_text("waiting for ROBOT_MODEL");
+}
+
+void LoopDetectorProcess::on_earlier_loop(const constraint_t& message) {
+  if (const std::optional<SE3> T_from_to = from_message(message.T_from_to))
+    earlier_loops_.push_back({{kind_of(message.from_kind), message.from_id},
+                              {kind_of(message.to_kind), message.to_id},
+                              *T_from_to,
+                              covariance_from_message(message.covariance),
+                              {},
+                              "earlier loop"});
+}
+
+void LoopDetectorProcess::take(LoopKeyframe keyframe) {
+  if (bus_.recovering()) return detector_->remember(std::move(keyframe));
+  publish(detector_->add(std::move(keyframe)));
+}
+
+void LoopDetectorProcess::take(const LoopScan& scan) {
+  if (bus_.recovering()) return detector_->remember(scan);
+  publish(detector_->add(scan));
 }
 
 void LoopDetectorProcess::on_camera_model(const camera_model_t& message) {
@@ -60,12 +83,12 @@ void LoopDetectorProcess::start_when_ready() {
   if (!detector_) {
     detector_ = std::make_unique<LoopDetector>(*robot_, config_);
     for (const Tile& tile : std::exchange(early_tiles_, {})) detector_->add_tile(tile);
-    for (const LoopScan& scan : std::exchange(early_scans_, {})) publish(detector_->add(scan));
+    for (const LoopScan& scan : std::exchange(early_scans_, {})) take(scan);
+    for (const LoopMeasurement& loop : std::exchange(earlier_loops_, {})) detector_->remember(loop);
   }
   if (!camera_) return;
   detector_->set_camera(*camera_);
-  for (LoopKeyframe& keyframe : std::exchange(early_keyframes_, {}))
-    publish(detector_->add(std::move(keyframe)));
+  for (LoopKeyframe& keyframe : std::exchange(early_keyframes_, {})) take(std::move(keyframe));
 }
 
 void LoopDetectorProcess::on_keyframe(const keyframe_t& message) {
@@ -73,7 +96,7 @@ void LoopDetectorProcess::on_keyframe(const keyframe_t& message) {
   std::optional<LoopKeyframe> keyframe = from_message(message, &why);
   if (!keyframe) return bus_.report_error("KEYFRAME refused: " + why);
   if (!reset_.passes(message.utime)) return;
-  if (detector_ && camera_) return publish(detector_->add(std::move(*keyframe)));
+  if (detector_ && camera_) return take(std::move(*keyframe));
   if (early_keyframes_.size() >= kMaxEarly)
     return bus_.report_error("KEYFRAME dropped: no CAMERA_MODEL or ROBOT_MODEL yet");
   early_keyframes_.push_back(std::move(*keyframe));
@@ -84,7 +107,7 @@ void LoopDetectorProcess::on_lidar_node(const lidar_node_t& message) {
   std::optional<LoopScan> scan = from_message(message, &why);
   if (!scan) return bus_.report_error("LIDAR_NODE refused: " + why);
   if (!reset_.passes(message.utime)) return;
-  if (detector_) return publish(detector_->add(*scan));
+  if (detector_) return take(*scan);
   if (early_scans_.size() >= kMaxEarly)
     return bus_.report_error("LIDAR_NODE dropped: no ROBOT_MODEL yet");
   early_scans_.push_back(std::move(*scan));

@@ -11,6 +11,7 @@
 
 #include "fusion_slam/camera_model_t.hpp"
 #include "fusion_slam/command_t.hpp"
+#include "fusion_slam/constraint_t.hpp"
 #include "fusion_slam/graph_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
@@ -35,6 +36,9 @@ class LoopDetectorProcess {
   void on_graph(const graph_t& message);
   void on_command(const command_t& message);
   void start_when_ready();
+  void on_earlier_loop(const constraint_t& message);
+  void take(LoopKeyframe keyframe);
+  void take(const LoopScan& scan);
   void publish(const std::vector<LoopCandidate>& decided);
   void say_state();
 
@@ -48,6 +52,7 @@ class LoopDetectorProcess {
   std::vector<LoopKeyframe> early_keyframes_;
   std::vector<LoopScan> early_scans_;
   std::vector<Tile> early_tiles_;
+  std::vector<LoopMeasurement> earlier_loops_;  // of an earlier process, by the journal
   std::set<std::pair<NodeId, NodeId>> known_off_;  // loops that the graph has switched off
 };
 

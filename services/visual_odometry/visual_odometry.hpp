@@ -39,6 +39,10 @@ class VisualOdometry {
   void add_lidar_pose(std::int64_t utime_us, const SE3& T_odom_base);  // LIDAR_POSE, OK or WEAK
   void add_graph_node(std::int64_t keyframe_id, const SE3& T_map_base);
 
+  // Goes on where an earlier process ended, before the first frame: its last keyframes of one
+  // segment, oldest first. Ids and the odometry frame go on.
+  void resume(const std::vector<Keyframe>& keyframes);
+
   // Forgets the map; the next frame starts a new segment at the last pose.
   void reset();
 

@@ -1,17 +1,20 @@
 #include "services/visual_odometry/visual_odometry_process.hpp"
 
 #include <string>
+#include <utility>
 
 #include "fusion_slam/graph_node_t.hpp"
 #include "fusion_slam/keyframe_image_t.hpp"
-#include "fusion_slam/keyframe_t.hpp"
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "libs/camera_messages/images.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
+#include "libs/place_messages/place_messages.hpp"
 
 namespace fusion_slam {
 namespace {
+
+constexpr std::size_t kResumeKeyframes = 60;  // of an earlier process: where the robot can be now
 
 std::int8_t state_on_the_wire(TrackingState state) {
   if (state == TrackingState::kOk) return pose_estimate_t::OK;
@@ -47,7 +50,27 @@ VisualOdometryProcess::VisualOdometryProcess(Bus& bus, VisualOdometryConfig conf
                                      [this](const bot_core::images_t& m) { on_camera(m); });
   bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                             [this](const command_t& m) { on_command(m); });
+  // Both are written before they are sent: who asks for them after a crash gets them.
+  bus_.keep_said<keyframe_t>("KEYFRAME", [this](const keyframe_t& m) { on_earlier_keyframe(m); });
+  bus_.keep_said<keyframe_image_t>("KEYFRAME_IMAGE", [](const keyframe_image_t&) {});
   bus_.set_state_text("waiting for CAMERA_MODEL, ROBOT_MODEL and CAMERA");
+}
+
+void VisualOdometryProcess::on_earlier_keyframe(const keyframe_t& message) {
+  std::string why;
+  std::optional<FeatureSet> features = features_from(message, &why);
+  const std::optional<SE3> T_odom_base = from_message(message.T_odom_base);
+  if (!features || !T_odom_base) return;
+  if (message.previous_id == 0) earlier_.clear();  // a segment of its own
+  Keyframe keyframe;
+  keyframe.id = message.id;
+  keyframe.utime_us = message.utime;
+  keyframe.T_odom_base = *T_odom_base;
+  keyframe.previous_id = message.previous_id;
+  keyframe.features = std::move(*features);
+  keyframe.landmark_of_feature = message.landmark_id;
+  earlier_.push_back(std::move(keyframe));
+  if (earlier_.size() > kResumeKeyframes) earlier_.pop_front();
 }
 
 void VisualOdometryProcess::on_camera_model(const camera_model_t& message) {
@@ -98,6 +121,8 @@ void VisualOdometryProcess::on_camera(const bot_core::images_t& message) {
     if (!camera_ || !robot_)
       return bus_.report_error("CAMERA ignored: no CAMERA_MODEL or ROBOT_MODEL yet");
     odometry_ = std::make_unique<VisualOdometry>(*camera_, *robot_, config_);
+    odometry_->resume({earlier_.begin(), earlier_.end()});
+    earlier_.clear();
   }
   std::string why;
   const std::optional<RgbdFrame> frame = from_message(message, &why);

@@ -2,6 +2,7 @@
 // KEYFRAME_IMAGE out.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 
@@ -10,6 +11,7 @@
 #include "fusion_slam/camera_model_t.hpp"
 #include "fusion_slam/command_t.hpp"
 #include "fusion_slam/graph_t.hpp"
+#include "fusion_slam/keyframe_t.hpp"
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
@@ -33,6 +35,7 @@ class VisualOdometryProcess {
   void on_graph(const graph_t& message);
   void on_camera(const bot_core::images_t& message);
   void on_command(const command_t& message);
+  void on_earlier_keyframe(const keyframe_t& message);
   void publish_pose(const TrackingResult& result);
   void publish_keyframe(const Keyframe& keyframe, const bot_core::images_t& images);
 
@@ -42,6 +45,7 @@ class VisualOdometryProcess {
   std::optional<CameraModel> camera_;
   std::optional<RobotModel> robot_;
   std::unique_ptr<VisualOdometry> odometry_;
+  std::deque<Keyframe> earlier_;  // last keyframes of an earlier process, by the journal
 };
 
 }  // namespace fusion_slam
