@@ -135,11 +135,14 @@ void Bus::every(int period_ms, std::function<void()> callback) {
 }
 
 void Bus::keep_in_journal(const std::set<std::string>& channels, Recover when) {
-  impl_->journal_channels = channels;
-  impl_->recover_when_asked = when == Recover::kWhenAsked;
+  for (const std::string& channel : channels)
+    impl_->journal_channels[channel] = when == Recover::kWhenAsked;
 }
 
-void Bus::recover() { impl_->read_handled(); }
+void Bus::recover() {
+  if (std::exchange(impl_->asked_to_recover, true)) return;
+  impl_->read_handled(true);
+}
 bool Bus::recovering() const { return impl_->recovering; }
 std::int64_t Bus::first_revision() const { return impl_->first_revision; }
 

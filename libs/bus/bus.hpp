@@ -72,7 +72,8 @@ class Bus {
   // are handled. run() first hands over what an earlier process wrote there: what is published
   // meanwhile goes nowhere, and numbers that are missing since are asked for. Nothing happens
   // without a journal, or in replay modes.
-  // kWhenAsked: not run() but recover() hands over, for who needs something else first.
+  // kWhenAsked: not run() but recover() hands these channels over, for who needs something else
+  // first. May be called once for each of the two.
   enum class Recover { kAtOnce, kWhenAsked };
   void keep_in_journal(const std::set<std::string>& channels, Recover when = Recover::kAtOnce);
   void recover();           // kWhenAsked, from a handler; the second time nothing happens

@@ -104,18 +104,18 @@ struct Bus::Impl {
     Handler handler;
     bool sent = false;  // false: notes, for the journal alone
   };
-  void open_journal();  // hands over what is in it, or waits with that until read_handled()
+  void open_journal();  // hands over what is in it, or waits with that until recover()
   void read_said();
-  void read_handled();
+  void read_handled(bool when_asked);
   void write_to_journal(const InboxItem& item);
   void write_said(const std::string& channel, const std::vector<std::uint8_t>& bytes);
   void append_to_journal(const std::string& channel, const std::vector<std::uint8_t>& bytes);
   void hand_over(const std::string& channel, const Handler& handler, const LogEvent& event);
-  std::set<std::string> journal_channels;
+  std::map<std::string, bool> journal_channels;  // true: handed over when asked
   std::map<std::string, Said> said;
-  bool recover_when_asked = false;
-  std::int64_t n_to_recover = 0;     // records of earlier processes that wait for read_handled()
-  std::mutex journal_mutex;          // taken last
+  bool asked_to_recover = false;
+  std::int64_t n_to_recover = 0;  // records of earlier processes
+  std::mutex journal_mutex;       // taken last
   std::unique_ptr<Journal> journal;
   std::atomic<bool> recovering{false};  // what is published goes nowhere
 

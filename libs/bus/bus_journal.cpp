@@ -1,6 +1,7 @@
 // The Bus's journal: a live process that is killed and started again first takes back what it had
 // said, then handles again what it had handled.
 #include <iostream>
+#include <vector>
 
 #include "libs/bus/bus_internal.hpp"
 #include "libs/clock/clock.hpp"
@@ -32,7 +33,7 @@ void Bus::Impl::open_journal() {
   }
   if (n_to_recover == 0) return;
   read_said();
-  if (!recover_when_asked) read_handled();
+  read_handled(false);
 }
 
 void Bus::Impl::hand_over(const std::string& channel, const Handler& handler,
@@ -65,7 +66,7 @@ void Bus::Impl::read_said() {
   recovering = false;
 }
 
-void Bus::Impl::read_handled() {
+void Bus::Impl::read_handled(bool when_asked) {
   if (n_to_recover == 0) return;
   const std::int64_t begin_us = steady_us();
   std::map<std::string, std::size_t> by_name;
@@ -74,10 +75,18 @@ void Bus::Impl::read_handled() {
     for (std::size_t i = 0; i < inbox.channels().size(); ++i) by_name[inbox.channels()[i].name] = i;
   }
   recovering = true;
+  struct Number {
+    std::size_t channel;
+    std::int64_t seq;
+    std::int64_t utime_us;
+  };
+  std::vector<Number> numbers;
   std::int64_t n = 0;
   read_first(options.journal, n_to_recover, [&](const LogEvent& event) {
     const auto it = by_name.find(event.channel);
-    if (it == by_name.end() || journal_channels.count(event.channel) == 0) return;
+    const auto wanted = journal_channels.find(event.channel);
+    if (it == by_name.end() || wanted == journal_channels.end() || wanted->second != when_asked)
+      return;
     const Handler* handler = nullptr;
     {
       const std::lock_guard<std::mutex> lock(mutex);
@@ -85,13 +94,17 @@ void Bus::Impl::read_handled() {
     }
     hand_over(event.channel, *handler, event);
     ++n;
-    const std::lock_guard<std::mutex> lock(mutex);
     if (handler->type->continues_with_seq)
-      inbox.was_handled(it->second, peek_seq(event.data.data(), event.data.size()).value_or(0),
-                        peek_utime(event.data.data(), event.data.size()).value_or(0));
+      numbers.push_back({it->second, peek_seq(event.data.data(), event.data.size()).value_or(0),
+                         peek_utime(event.data.data(), event.data.size()).value_or(0)});
   });
   recovering = false;
-  n_to_recover = 0;
+  {  // at once: what is missing between them must not be asked for before the last is known
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (const Number& number : numbers)
+      inbox.was_handled(number.channel, number.seq, number.utime_us, steady_us());
+  }
+  if (n == 0) return;
   std::cerr << options.process << ": built up again from " << n << " messages of "
             << options.journal << " in " << (steady_us() - begin_us) / 1000 << " ms" << std::endl;
 }

@@ -173,8 +173,10 @@ std::vector<std::int64_t> Inbox::missing(std::size_t index, std::int64_t now_us,
   return result;
 }
 
-void Inbox::was_handled(std::size_t channel, std::int64_t seq, std::int64_t utime_us) {
-  if (channels_[channel].has_seq && seq > 0) channels_[channel].sequence.see(seq, utime_us, 0);
+void Inbox::was_handled(std::size_t channel, std::int64_t seq, std::int64_t utime_us,
+                        std::int64_t now_us) {
+  if (channels_[channel].has_seq && seq > 0)
+    channels_[channel].sequence.was_handled(seq, utime_us, now_us);
 }
 
 void Inbox::processed(const InboxItem& item) {

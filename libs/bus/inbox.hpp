@@ -72,7 +72,8 @@ class Inbox {
 
   void processed(const InboxItem& item);  // counts it as handled to the end
   // It was handled by an earlier process: numbers missing between it and the next are missed.
-  void was_handled(std::size_t channel, std::int64_t seq, std::int64_t utime_us);
+  void was_handled(std::size_t channel, std::int64_t seq, std::int64_t utime_us,
+                   std::int64_t now_us);
 
   struct Channel {
     std::string name;

@@ -31,6 +31,17 @@ SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_
   return missing_.erase(seq) + given_up_.erase(seq) > 0 ? Seen::kNew : Seen::kDuplicate;
 }
 
+void SequenceTracker::was_handled(std::int64_t seq, std::int64_t utime_us, std::int64_t now_us) {
+  if (joined_ && seq < floor_) {
+    for (std::int64_t gap = std::max(seq + 1, floor_ - kMostGaps); gap < floor_; ++gap)
+      if (before_floor_.count(gap) == 0) missing_.emplace(gap, now_us);
+    before_floor_.erase(before_floor_.lower_bound(seq), before_floor_.end());
+    floor_ = seq;
+  } else {
+    see(seq, utime_us, now_us);
+  }
+}
+
 void SequenceTracker::restart() {
   joined_ = false;
   floor_ = 1;

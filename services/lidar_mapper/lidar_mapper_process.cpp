@@ -103,6 +103,7 @@ LidarMapperProcess::LidarMapperProcess(Bus& bus) : bus_(bus), submap_tiles_(bus,
                                   [this](const pose_estimate_t& m) { on_visual_pose(m); });
   bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                             [this](const command_t& m) { on_command(m); });
+  bus_.keep_in_journal({"ROBOT_MODEL"});
   // Nodes carry their scans, so they rebuild the active submaps; finished ones are their tiles.
   bus_.keep_said<lidar_node_t>("LIDAR_NODE", [this](const lidar_node_t& m) { on_earlier_node(m); });
   bus_.keep_said<tile_t>("SUBMAP", [](const tile_t&) {});

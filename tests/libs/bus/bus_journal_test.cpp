@@ -129,5 +129,69 @@ TEST_F(BusJournal, TilesOfAProcessStartedAgainAreNewer) {
   EXPECT_EQ(held[0], std::vector<std::uint8_t>{2});
 }
 
+TEST_F(BusJournal, WhatWasSaidIsStillAnsweredForAndNumbersGoOn) {
+  const auto options_of_speaker = [&] {
+    BusOptions result = options("speaker");
+    result.journal = file_;
+    return result;
+  };
+  std::vector<std::int64_t> restored;
+  const auto speak = [&](int from, int to) {
+    Bus bus(options_of_speaker(), network_);
+    bus.keep_said<constraint_t>("CONSTRAINT",
+                                [&](const constraint_t& m) { restored.push_back(m.from_id); });
+    bus.stop();
+    bus.run();  // reads the journal, handles nothing
+    for (int i = from; i <= to; ++i) bus.publish("CONSTRAINT", constraint(i));
+    return bus.published().at("CONSTRAINT");
+  };
+  EXPECT_EQ(speak(1, 3), 3);
+  EXPECT_TRUE(restored.empty());
+  EXPECT_EQ(speak(4, 5), 5) << "numbers go on";
+  EXPECT_THAT(restored, testing::ElementsAre(1, 2, 3));
+  // A listener that heard only the first asks for the rest, which an earlier process said.
+  Bus speaker(options_of_speaker(), network_);
+  speaker.keep_said<constraint_t>("CONSTRAINT", [](const constraint_t&) {});
+  Bus listener(options("other"), network_);
+  std::vector<std::int64_t> heard;
+  listener.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll,
+                                   [&](const constraint_t& m) { heard.push_back(m.from_id); });
+  constraint_t first = constraint(1);
+  first.seq = 1;
+  listener.handle(0);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(first.getEncodedSize()));
+  first.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  network_->publish("CONSTRAINT", bytes);
+  for (int i = 0; i < 6000 && heard.empty(); ++i) listener.handle(10);
+  std::thread speaking([&] { speaker.run(); });
+  for (int i = 0; i < 6000 && heard.size() < 5; ++i) listener.handle(10);
+  speaker.stop();
+  speaking.join();
+  EXPECT_THAT(heard, testing::UnorderedElementsAre(1, 2, 3, 4, 5));
+}
+
+TEST_F(BusJournal, TilesSaidAreOfferedAgainAndNewerOnesAreNewerWhateverTheClock) {
+  BusOptions with_journal = options("speaker");
+  with_journal.journal = file_;
+  std::int64_t before = 0;
+  {
+    Bus bus(with_journal, network_);
+    bus.keep_said<tile_t>("SUBMAP", [](const tile_t&) {});
+    bus.stop();
+    bus.run();
+    tile_t tile{};
+    tile.revision = 5'000'000;  // as if the clock had been 5 s ahead
+    bus.publish_tile("SUBMAP", tile);
+    before = bus.first_revision() + tile.revision;
+  }
+  Bus bus(with_journal, network_);
+  std::vector<std::int64_t> revisions;
+  bus.keep_said<tile_t>("SUBMAP", [&](const tile_t& m) { revisions.push_back(m.revision); });
+  bus.stop();
+  bus.run();
+  EXPECT_THAT(revisions, testing::ElementsAre(before));
+  EXPECT_GE(bus.first_revision(), before);
+}
+
 }  // namespace
 }  // namespace fusion_slam

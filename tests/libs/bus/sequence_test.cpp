@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <random>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace fusion_slam {
@@ -93,6 +94,28 @@ TEST(Sequence, AnyOrderWithRepeatsEndsWhole) {
     EXPECT_EQ(fresh, 200);
     EXPECT_EQ(tracker.missing_count(), 0U);
   }
+}
+
+TEST(SequenceTracker, AsksForWhatLiesBetweenAnEarlierProcessAndNow) {
+  SequenceTracker tracker(false);
+  tracker.see(8, 80, 0);
+  tracker.see(6, 60, 0);  // late, before the first that came
+  for (int seq = 1; seq <= 4; ++seq) tracker.was_handled(seq, 10 * seq, 5);
+  EXPECT_THAT(tracker.missing(100, 0, 10), testing::ElementsAre(5, 7));
+  EXPECT_EQ(tracker.see(3, 30, 6), SequenceTracker::Seen::kDuplicate);
+  EXPECT_EQ(tracker.see(6, 60, 6), SequenceTracker::Seen::kDuplicate);
+  EXPECT_EQ(tracker.see(5, 50, 6), SequenceTracker::Seen::kNew);
+  EXPECT_EQ(tracker.highest(), 8);
+}
+
+TEST(SequenceTracker, AfterARestartLowNumbersAreNewOnes) {
+  SequenceTracker tracker(false);
+  for (int seq = 1; seq <= 9; ++seq) tracker.see(seq, 10, 0);
+  EXPECT_EQ(tracker.see(3, 10, 1), SequenceTracker::Seen::kDuplicate);
+  tracker.restart();
+  EXPECT_EQ(tracker.see(3, 10, 2), SequenceTracker::Seen::kNew);
+  EXPECT_EQ(tracker.see(1, 10, 2), SequenceTracker::Seen::kNew);
+  EXPECT_TRUE(tracker.missing(100, 0, 10).empty());
 }
 
 }  // namespace

@@ -48,6 +48,34 @@ double worst_error_m(const Drive& result, const Path& path, double period_s) {
   return worst;
 }
 
+// Killed after half of the drive and started again from its nodes, half a second of scans later.
+TEST(LidarMapper, GoesOnFromItsNodesAfterAGap) {
+  const RobotModel robot = test_robot();
+  LidarMapper first(robot);
+  const Drive before = drive(first, robot, test_path, 100, 0.1, kNothing);
+  LidarMapper second(robot);
+  const std::vector<Tile> tiles = second.resume(before.nodes);
+  EXPECT_FALSE(tiles.empty());
+  const FlatWorld world;
+  std::mt19937 rng(2);
+  for (int i = 105; i < 140; ++i) {
+    const double t = i * 0.1;
+    const auto utime_us = static_cast<std::int64_t>(t * 1e6) + 1'000'000;
+    const MapperOutput out =
+        second.add_scan(sweep(world, robot, test_path, t, utime_us, 0.01, rng));
+    ASSERT_TRUE(out.pose);
+    const SE2 truth = test_path(0.0).inverse() * test_path(t);
+    const SE2& T = out.pose->T_odom_base;
+    EXPECT_LT(std::hypot(T.x - truth.x, T.y - truth.y), 0.05) << "scan " << i;
+    if (!out.node) continue;
+    EXPECT_GT(out.node->id, before.nodes.back().id);
+    EXPECT_NE(out.node->previous_id, 0) << "the chain goes on";
+    EXPECT_EQ(out.node->submaps.front().submap_id, before.nodes.back().submaps.front().submap_id);
+  }
+  EXPECT_EQ(second.counts().lost, 0);
+  EXPECT_EQ(second.counts().restarts, 0);
+}
+
 TEST(LidarMapper, FollowsAPathWithScansAlone) {
   const RobotModel robot = test_robot();
   LidarMapper mapper(robot);
