@@ -126,8 +126,8 @@ void Bus::Impl::on_peer_status(const status_t& peer) {
   }
 }
 
-// Another process of this name counts lower than the one before: its numbers are new ones, even when
-// no measurement is newer (tiles of a map that stands still).
+// Another process of this name counts lower than the one before: its numbers are new ones, even
+// when no measurement is newer (tiles of a map that stands still).
 void Bus::Impl::restarted_by(const status_t& peer, const channel_stats_t& theirs,
                              Inbox::Channel& mine) {
   Peer& known = peers[peer.process + "/" + mine.name];

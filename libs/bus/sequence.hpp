@@ -24,8 +24,8 @@ class SequenceTracker {
   // stream: its publisher was started again.
   Seen see(std::int64_t seq, std::int64_t utime_us, std::int64_t now_us);
 
-  // An earlier process of this listener has handled number seq: the stream is joined there, and what
-  // lies between it and what has come since is missing.
+  // An earlier process of this listener has handled number seq: the stream is joined there, and
+  // what lies between it and what has come since is missing.
   void was_handled(std::int64_t seq, std::int64_t utime_us, std::int64_t now_us);
 
   // The publisher was started again and counts anew: what comes next is where this listener joins.

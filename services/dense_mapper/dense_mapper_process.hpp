@@ -49,7 +49,7 @@ class DenseMapperProcess {
   std::deque<keyframe_image_t> early_images_;  // came before them
   std::vector<graph_t> early_graph_;
   std::map<std::int64_t, SE3> moved_;  // keyframes, by the parts of a GRAPH that have come
-  bool complete_graph_ = false;  // has come: poses for an earlier process's images
+  bool complete_graph_ = false;        // has come: poses for an earlier process's images
   bool finished_ = false;              // after COMMAND finish each input is answered at once
   bool begins_anew_ = false;           // after COMMAND reset, until the new graph's first keyframe
 };

@@ -52,7 +52,7 @@ class LoopDetectorProcess {
   std::vector<LoopKeyframe> early_keyframes_;
   std::vector<LoopScan> early_scans_;
   std::vector<Tile> early_tiles_;
-  std::vector<LoopMeasurement> earlier_loops_;  // of an earlier process, by the journal
+  std::vector<LoopMeasurement> earlier_loops_;     // of an earlier process, by the journal
   std::set<std::pair<NodeId, NodeId>> known_off_;  // loops that the graph has switched off
 };
 

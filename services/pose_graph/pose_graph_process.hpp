@@ -44,7 +44,7 @@ class PoseGraphProcess {
   Bus& bus_;
   ResetGate reset_{"pose_graph"};
   PoseGraph graph_;
-  std::int64_t revision() const;  // as published: never lower than what was published before
+  std::int64_t revision() const;       // as published: never lower than what was published before
   std::int64_t last_complete_ = 0;     // revision of graph_
   std::int64_t earlier_revision_ = 0;  // the last of an earlier graph
 };

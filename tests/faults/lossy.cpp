@@ -1,6 +1,6 @@
 // LD_PRELOAD: a process that hears only part of what the network sends. Stands in for netem where
-// the kernel has none: FS_LOSS_PERCENT of all datagrams that arrive are thrown away (each process by
-// a seed of its own, FS_LOSS_SEED plus its number), and all of them while the file FS_CUT_FILE
+// the kernel has none: FS_LOSS_PERCENT of all datagrams that arrive are thrown away (each process
+// by a seed of its own, FS_LOSS_SEED plus its number), and all of them while the file FS_CUT_FILE
 // exists.
 #include <cstdint>
 #include <cstdlib>

@@ -1,6 +1,7 @@
-// Listens to a live run like any viewer, for tests/faults/run. Prints one JSON object a line: STATUS
-// of each process, and what poses, graph and tiles come. Reads commands from its input, one a line:
-// `finish` (COMMAND finish to all), `write FOLDER` (trajectory and maps as they are now), `quit`.
+// Listens to a live run like any viewer, for tests/faults/run. Prints one JSON object a line:
+// STATUS of each process, and what poses, graph and tiles come. Reads commands from its input, one
+// a line: `finish` (COMMAND finish to all), `write FOLDER` (trajectory and maps as they are now),
+// `quit`.
 #include <iostream>
 #include <memory>
 #include <mutex>
