@@ -35,9 +35,11 @@ void Bus::subscribe_raw(const std::string& channel, std::uint64_t fingerprint, P
     impl_->handlers.push_back({type, std::move(decode)});
   }
   impl_->tokens.push_back(impl_->transport->subscribe(
-      channel,
-      [impl = impl_.get(), index](const std::string&, const std::uint8_t* bytes, std::size_t size) {
-        impl->receive(index, bytes, size);
+      channel, [impl = impl_.get(), index, gate = impl_->gate_for(channel)](
+                   const std::string&, const std::uint8_t* bytes, std::size_t size) {
+        if (impl->admit(gate.get(), bytes, &size)) return impl->receive(index, bytes, size);
+        const std::lock_guard<std::mutex> lock(impl->mutex);
+        ++impl->inbox.channels()[index].counters.rejected;
       }));
 }
 
@@ -50,8 +52,9 @@ void Bus::publish_raw(const std::string& channel,
   if (impl_->recovering) return;
   impl_->pace();
   const std::lock_guard<std::mutex> lock(impl_->out_mutex);
-  const auto bytes = encode(impl_->outbox.next_seq(channel));
+  auto bytes = encode(impl_->outbox.next_seq(channel));
   impl_->write_said(channel, bytes);
+  if (impl_->key && channel == "COMMAND") bytes = sign_command(*impl_->key, bytes, wall_us());
   impl_->outbox.sent(channel, bytes);
   impl_->send(channel, bytes);
 }

@@ -29,6 +29,9 @@ struct BusOptions {
   std::int64_t merge_wait_us =
       30'000;           // live: how long a message waits for older ones of other channels
   std::string journal;  // file of keep_in_journal(); empty: none. Live only
+  // Live: COMMAND is signed, and taken, with the key in this file; empty: FUSION_SLAM_KEY_FILE,
+  // else no key: nothing is signed and everything is taken.
+  std::string key_file;
 };
 
 class Transport;  // an LCM handle and its reader thread; several buses of one process may share one

@@ -1,6 +1,7 @@
 // The handling side of the Bus: one message after the other, or one step of a lockstep replay after
 // the other.
 #include <chrono>
+#include <cstdlib>
 #include <iostream>
 #include <thread>
 #include <utility>
@@ -37,6 +38,11 @@ Bus::Impl::Impl(BusOptions options_in, std::shared_ptr<Transport> transport_in)
     : options(std::move(options_in)),
       transport(std::move(transport_in)),
       inbox(options.mode, options.keep_all_bound, options.merge_wait_us) {
+  started_us = wall_us();
+  const char* key_file = std::getenv("FUSION_SLAM_KEY_FILE");
+  if (options.key_file.empty() && key_file != nullptr) options.key_file = key_file;
+  if (options.mode == Mode::kLive && !options.key_file.empty())
+    key = load_signing_key(options.key_file);
   // A process that was killed and started again must not send tiles that look older than those its
   // listeners have: this grows faster than any tile's revision, and a double still holds it.
   if (options.mode == Mode::kLive) first_revision = wall_us() / 1'000'000 * 1'000'000;

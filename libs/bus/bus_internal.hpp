@@ -6,11 +6,12 @@
 #include <deque>
 #include <memory>
 #include <mutex>
-#include <set>
+#include <optional>
 
 #include "fusion_slam/resend_t.hpp"
 #include "fusion_slam/step_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/command_gate.hpp"
 #include "libs/bus/inbox.hpp"
 #include "libs/bus/latency.hpp"
 #include "libs/bus/outbox.hpp"
@@ -51,6 +52,12 @@ struct Bus::Impl {
   void report(const std::string& text);
   status_t status() const;
   void send_status();
+
+  std::optional<SigningKey> key;
+  std::int64_t started_us = 0;  // wall clock
+  // One for each subscription of COMMAND; nothing: the message is refused.
+  std::shared_ptr<CommandGate> gate_for(const std::string& channel) const;
+  bool admit(CommandGate* gate, const std::uint8_t* bytes, std::size_t* size);
 
   struct Handler {
     const LcmType* type = nullptr;

@@ -33,11 +33,28 @@ bool Bus::Impl::passes_guard(const std::string& channel, const LcmType& type,
   return false;
 }
 
+std::shared_ptr<CommandGate> Bus::Impl::gate_for(const std::string& channel) const {
+  return channel == "COMMAND" ? std::make_shared<CommandGate>(key, started_us) : nullptr;
+}
+
+bool Bus::Impl::admit(CommandGate* gate, const std::uint8_t* bytes, std::size_t* size) {
+  if (gate == nullptr) return true;
+  std::string why;
+  const auto message_size = gate->admit(bytes, *size, wall_us(), &why);
+  if (!message_size) {
+    report(why);
+    return false;
+  }
+  *size = *message_size;
+  return true;
+}
+
 void Bus::Impl::listen(const std::string& channel, const LcmType* type, Decode decode) {
   tokens.push_back(transport->subscribe(
-      channel, [this, type, decode = std::move(decode)](
+      channel, [this, type, decode = std::move(decode), gate = gate_for(channel)](
                    const std::string& name, const std::uint8_t* bytes, std::size_t size) {
-        if (passes_guard(name, *type, bytes, size)) return decode_safely(name, decode, bytes, size);
+        if (admit(gate.get(), bytes, &size) && passes_guard(name, *type, bytes, size))
+          return decode_safely(name, decode, bytes, size);
         const std::lock_guard<std::mutex> lock(mutex);
         ++listened_rejected[name];
       }));

@@ -30,7 +30,7 @@ DenseMapperProcess::DenseMapperProcess(Bus& bus)
                            [this](const command_t& m) { on_command(m); });
   // An earlier process's images are mapped again at once where the graph has their keyframes now:
   // so the journal is read when the graph is known, and none waits in memory for its pose.
-  bus.keep_in_journal({"KEYFRAME_IMAGE"}, Bus::Recover::kWhenAsked);
+  bus.keep_in_journal({"KEYFRAME_IMAGE", "COMMAND"}, Bus::Recover::kWhenAsked);
   bus.keep_in_journal({"CAMERA_MODEL", "ROBOT_MODEL"});
   bus.keep_said<constraint_t>("LEVEL", [](const constraint_t&) {});
   bus.set_state_text("waiting for CAMERA_MODEL and ROBOT_MODEL");

@@ -113,6 +113,7 @@ LidarMapperProcess::LidarMapperProcess(Bus& bus) : bus_(bus), submap_tiles_(bus,
 void LidarMapperProcess::on_earlier_node(const lidar_node_t& message) {
   auto node = node_from(message);
   if (!node) return;
+  if (node->previous_id == 0) earlier_.clear();  // a map of its own
   earlier_.push_back(std::move(*node));
   while (earlier_.size() > static_cast<std::size_t>(LidarMapper::nodes_to_resume()))
     earlier_.pop_front();

@@ -37,7 +37,7 @@ LoopDetectorProcess::LoopDetectorProcess(Bus& bus, LoopDetectorConfig config)
   bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                             [this](const command_t& m) { on_command(m); });
   // Nodes of an earlier process are remembered, not searched again: what it found is in the graph.
-  bus_.keep_in_journal({"CAMERA_MODEL", "ROBOT_MODEL", "LIDAR_NODE", "KEYFRAME"});
+  bus_.keep_in_journal({"CAMERA_MODEL", "ROBOT_MODEL", "LIDAR_NODE", "KEYFRAME", "COMMAND"});
   bus_.keep_said<constraint_t>("CONSTRAINT", [this](const constraint_t& m) { on_earlier_loop(m); });
   bus_.set_state_text("waiting for ROBOT_MODEL");
 }

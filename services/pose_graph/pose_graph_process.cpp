@@ -31,10 +31,10 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus) {
   bus.subscribe<lidar_node_t>("LIDAR_NODE", Policy::kKeepAll, on(&PoseGraphProcess::on_lidar_node));
   bus.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll, on(&PoseGraphProcess::on_constraint));
   bus.subscribe<constraint_t>("LEVEL", Policy::kKeepAll, on(&PoseGraphProcess::on_level));
-  // What the graph is made of, and where it began anew. Poses, too: they tie keyframes to the LiDAR's trajectory.
+  // What the graph is made of, and where it began anew. Poses, too: they tie keyframes to the
+  // LiDAR's trajectory.
   bus.keep_in_journal({"ROBOT_MODEL", "CAMERA_MODEL", "KEYFRAME", "LIDAR_NODE", "CONSTRAINT",
-                       "LEVEL", "VISUAL_POSE", "LIDAR_POSE", "ODOMETRY",
-                       "COMMAND"});
+                       "LEVEL", "VISUAL_POSE", "LIDAR_POSE", "ODOMETRY", "COMMAND"});
   bus.on_note<graph_t>("GRAPH", [this](const graph_t& m) {
     earlier_revision_ = std::max(earlier_revision_, m.revision);
   });
