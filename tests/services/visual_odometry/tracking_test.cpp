@@ -1,6 +1,3 @@
-#include <utility>
-#include <vector>
-
 #include <gtest/gtest.h>
 
 #include "services/visual_odometry/visual_odometry.hpp"
@@ -58,27 +55,6 @@ TEST_F(Tracking, FollowsACameraAlongAWall) {
   }
   EXPECT_GE(previous_id, 4);
   EXPECT_LE(previous_id, 30);
-}
-
-// Killed, and started again from the keyframes it had said, three frames later.
-TEST_F(Tracking, GoesOnFromItsKeyframes) {
-  std::vector<Keyframe> said;
-  for (int step = 0; step < 30; ++step)
-    if (const TrackingResult result = show(step); result.keyframe) said.push_back(*result.keyframe);
-  ASSERT_GE(said.size(), 3U);
-  VisualOdometry again(camera_, robot_with(kMounting));
-  again.resume(said);
-  bool made_keyframe = false;
-  for (int step = 33; step < 45; ++step) {
-    const TrackingResult result =
-        again.track(wall_.see(camera_, walk(step), (step + 1) * kFrame_us));
-    ASSERT_EQ(result.state, TrackingState::kOk) << step << ": " << result.reason;
-    EXPECT_LT(local(truth(step), result.T_odom_base).head<3>().norm(), 0.03) << step;
-    if (!result.keyframe || std::exchange(made_keyframe, true)) continue;
-    EXPECT_EQ(result.keyframe->id, said.back().id + 1);
-    EXPECT_NE(result.keyframe->previous_id, 0) << "the chain goes on";
-  }
-  EXPECT_TRUE(made_keyframe);
 }
 
 TEST_F(Tracking, StandingStillMakesNoKeyframes) {
