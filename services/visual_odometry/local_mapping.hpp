@@ -7,6 +7,7 @@
 // don't depend on how fast the thread was.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <future>
 #include <vector>
@@ -51,6 +52,11 @@ class LocalMapping {
       : camera_(camera), scales_(std::move(scale_of_octave)), config_(config) {}
 
   bool busy() const { return result_.valid(); }
+  // Whether finish() would return at once: for counting only, nothing may be decided by it. Only
+  // while busy().
+  bool ready() const {
+    return result_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
   void start(MappingJob job);  // not while busy()
   // Waits until the thread is done and puts its result into `map`. Only while busy().
   MappingResult finish(VisualMap* map);

@@ -47,6 +47,7 @@ struct TrackingResult {
 // Since the start, for people.
 struct VisualOdometryCounts {
   int mappings = 0;
+  int mapping_waits = 0;  // of these: not done when their result was due, so that tracking waited
   int triangulated = 0;
   int fused = 0;
   int observations_refused = 0;  // by bundle adjustment

@@ -154,6 +154,7 @@ void VisualOdometry::take_up_news() {
 
 std::map<std::int64_t, std::int64_t> VisualOdometry::finish_mapping() {
   const SE3 T_before = T_odom_reference();
+  counts_.mapping_waits += mapping_.ready() ? 0 : 1;
   const MappingResult result = mapping_.finish(&map_);
   // The camera goes where its reference goes.
   const SE3 T_new_old = normalised(T_odom_reference() * T_before.inverse());

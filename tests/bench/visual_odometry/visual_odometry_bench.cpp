@@ -47,6 +47,7 @@ struct Run {
   std::map<std::int64_t, Edge> edges;
   std::vector<double> cpu_ms;   // of the tracking thread
   std::vector<double> wall_ms;  // as a caller waits
+  std::vector<double> wait_ms;  // wall without CPU, of frames that waited for local mapping
   int states[4] = {};
   int keyframes = 0;
   std::int64_t first_us = 0;
@@ -84,10 +85,13 @@ double thread_cpu_ms() {
 void track(const RgbdFrame& frame, bool verbose, Run* run) {
   const auto wall = std::chrono::steady_clock::now();
   const double cpu = thread_cpu_ms();
+  const int waits = run->odometry->counts().mapping_waits;
   const TrackingResult result = run->odometry->track(frame);
   run->cpu_ms.push_back(thread_cpu_ms() - cpu);
   run->wall_ms.push_back(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count());
+  if (run->odometry->counts().mapping_waits > waits)
+    run->wait_ms.push_back(run->wall_ms.back() - run->cpu_ms.back());
   if (run->first_us == 0) run->first_us = frame.utime_us;
   run->last_frame = frame;
   run->lost.on(result, run->odometry->counts());
@@ -191,6 +195,9 @@ void print(const Run& run, const std::string& name, const Scores& live, const Sc
       "CPU ms a frame (tracking thread): mean %.1f median %.1f p95 %.1f p99 %.1f max %.1f\n",
       mean_ms, quantile(run.cpu_ms, 0.5), quantile(run.cpu_ms, 0.95), quantile(run.cpu_ms, 0.99),
       quantile(run.cpu_ms, 1.0));
+  std::printf("waits for local mapping: %zu of %d results; ms: median %.1f p95 %.1f max %.1f\n",
+              run.wait_ms.size(), c.mappings, quantile(run.wait_ms, 0.5),
+              quantile(run.wait_ms, 0.95), quantile(run.wait_ms, 1.0));
   std::printf("live poses: APE %.4f (max %.4f), RPE/frame %.4f, RPE/m %.4f m %.3f deg\n",
               live.ape_m, live.ape_max_m, live.frame_m, live.metre_m, live.metre_deg);
   std::printf(

@@ -120,5 +120,48 @@ TEST(LocalBundleAdjustment, AveragesNoiseAndRefusesWhatIsWrong) {
     EXPECT_EQ(keyframe.T_odom_camera.matrix(), m.map.keyframe(id)->T_odom_camera.matrix());
 }
 
+// Before a bare wall: three features are left, all wrong in the same way.
+TEST(LocalBundleAdjustment, WhereFeaturesFailTheTieBetweenSurfacesHolds) {
+  for (const bool tied : {false, true}) {
+    MadeUpMap m = make_map(5, 80, 0.0);
+    auto wrong = std::make_shared<FeatureSet>(*m.map.keyframe(5)->features);
+    const std::vector<std::int64_t> seen = m.map.keyframe(5)->landmark_of_feature;
+    for (std::size_t i = 3; i < seen.size(); ++i) m.map.unlink(seen[i], 5);
+    for (std::size_t i = 0; i < 3; ++i) wrong->features[i].u_px += 8.0F;
+    m.map.keyframe(5)->features = wrong;
+    if (tied) {
+      SurfaceTie& tie = m.map.keyframe(5)->tie;
+      tie.keyframe = 4;
+      tie.T_earlier_camera = m.poses.at(4).inverse() * m.poses.at(5);
+      tie.information.diagonal() << 0.0, 1e6, 1e6, 1e6, 1e6, 0.0;  // sliding and roll stay open
+    }
+    const BundleResult result = adjust_bundle(m.camera, {5}, m.scales, {}, &m.map);
+    EXPECT_EQ(result.n_poses, 1);
+    const Vector6d off = local(m.poses.at(5), m.map.keyframe(5)->T_odom_camera);
+    const double turned_rad = off.tail<3>().head<2>().norm();
+    EXPECT_EQ(turned_rad < 0.002, tied) << turned_rad;
+    EXPECT_EQ(turned_rad > 0.005, !tied) << turned_rad;
+  }
+}
+
+// The surfaces of two keyframes alone hold them together.
+TEST(LocalBundleAdjustment, ATieNeedsNoFeatures) {
+  MadeUpMap m = make_map(3, 80, 0.0);
+  const std::vector<std::int64_t> seen = m.map.keyframe(3)->landmark_of_feature;
+  for (const std::int64_t id : seen) m.map.unlink(id, 3);
+  SurfaceTie& tie = m.map.keyframe(3)->tie;
+  tie = {2, m.poses.at(2).inverse() * m.poses.at(3), 1e6 * Matrix6d::Identity()};
+  disturb(&m.map, 1);
+  VisualOdometryConfig config;
+  config.bundle_iterations = 30;
+  adjust_bundle(m.camera, {2, 3}, m.scales, config, &m.map);
+  EXPECT_LT(local(m.poses.at(3), m.map.keyframe(3)->T_odom_camera).norm(), 3e-3);
+  // A tie to a keyframe that is gone counts for nothing.
+  m.map.keyframe(3)->tie.keyframe = 99;
+  const SE3 before = m.map.keyframe(3)->T_odom_camera;
+  adjust_bundle(m.camera, {2, 3}, m.scales, config, &m.map);
+  EXPECT_EQ(m.map.keyframe(3)->T_odom_camera.matrix(), before.matrix());
+}
+
 }  // namespace
 }  // namespace fusion_slam

@@ -78,6 +78,40 @@ TEST(LongRun, TheSameAtAnySpeedOfTheMappingThread) {
     EXPECT_EQ(poses[0][i].matrix(), poses[1][i].matrix()) << i;
 }
 
+// Between two points where results are taken up, tracking goes on with the map as it was, however
+// long the thread takes: the map does not change below it, and a caller who gives the thread time
+// never waits.
+TEST(LongRun, TrackingGoesOnWithTheMapAsItWasWhileTheThreadWorks) {
+  const CameraModel camera = small_camera();
+  const RenderedWall wall;
+  const VisualOdometryConfig config = small_config();
+  VisualOdometry odometry(camera, robot_with(SE3::Identity()), config);
+  SE3 T_keyframe = SE3::Identity();
+  std::size_t n_landmarks = 0;
+  int since = 100;  // frames since the last keyframe
+  int held = 0;
+  for (int step = 0; step < 40; ++step) {
+    const int mappings = odometry.counts().mappings;
+    const TrackingResult result =
+        odometry.track(wall.see(camera, walk(step), (step + 1) * kFrame_us));
+    since = result.keyframe ? 0 : since + 1;
+    const MapKeyframe& newest = odometry.map().keyframes().rbegin()->second;
+    if (since > 0 && since < config.mapping_frames) {
+      EXPECT_EQ(odometry.counts().mappings, mappings) << step;
+      EXPECT_EQ(newest.T_odom_camera.matrix(), T_keyframe.matrix()) << step;
+      EXPECT_EQ(odometry.map().landmarks().size(), n_landmarks) << step;
+      ++held;
+    }
+    if (since == config.mapping_frames) {
+      EXPECT_EQ(odometry.counts().mappings, mappings + 1) << step;
+    }
+    T_keyframe = newest.T_odom_camera;
+    n_landmarks = odometry.map().landmarks().size();
+  }
+  EXPECT_GE(held, 10);
+  EXPECT_LE(odometry.counts().mapping_waits, odometry.counts().mappings);
+}
+
 TEST(LongRun, SegmentsJoinWhenAKnownPlaceComesIntoSight) {
   CameraModel camera = small_camera();
   camera.width_px *= 2;
@@ -104,6 +138,43 @@ TEST(LongRun, SegmentsJoinWhenAKnownPlaceComesIntoSight) {
   EXPECT_EQ(odometry.map().keyframe(result.keyframe->previous_id)->segment, 1);
   EXPECT_EQ(odometry.counts().relocalisations, 1);
   EXPECT_LT(local(walk(0).inverse() * walk(20), result.T_odom_base).norm(), 0.03);
+}
+
+// The camera goes somewhere else unseen, a second segment begins there, and it walks back.
+TEST(LongRun, ASecondSegmentJoinsTheOldMapLaterWithoutAJump) {
+  CameraModel camera = small_camera();
+  camera.width_px *= 2;
+  camera.height_px *= 2;
+  camera.fx_px = camera.fy_px *= 2;
+  camera.cx_px *= 2;
+  camera.cy_px *= 2;
+  const RenderedWall wall;
+  VisualOdometry odometry(camera, robot_with(SE3::Identity()));
+  const auto at = [](double x_m) { return from_xyz_rpy(x_m, 0.0, -1.6, 0.0, 0.0, 0.0); };
+  std::int64_t n = 0;
+  const auto show = [&](double x_m) {
+    return odometry.track(wall.see(camera, at(x_m), ++n * kFrame_us));
+  };
+  for (int i = 0; i < 15; ++i) show(-2.4 + 0.03 * i);
+  TrackingResult result;
+  for (int i = 0; i < 30 && !(result.keyframe && result.keyframe->previous_id == 0); ++i)
+    result = show(1.0);
+  ASSERT_TRUE(result.keyframe);
+  double x_m = 1.0;
+  SE3 T_before = result.T_odom_base;
+  for (int i = 0; i < 120 && odometry.counts().joins == 0; ++i) {
+    result = show(x_m -= 0.03);
+    ASSERT_NE(result.state, TrackingState::kLost) << x_m << " " << result.reason;
+    EXPECT_NEAR((T_before.inverse() * result.T_odom_base).translation().x(), -0.03, 0.02);
+    T_before = result.T_odom_base;
+  }
+  ASSERT_EQ(odometry.counts().joins, 1);
+  // One map now: the first keyframe is where it is from here.
+  const VisualMap& map = odometry.map();
+  for (const auto& [id, keyframe] : map.keyframes())
+    EXPECT_EQ(keyframe.segment, map.keyframes().rbegin()->second.segment) << id;
+  const SE3 T_first_now = map.keyframe(1)->T_odom_camera.inverse() * result.T_odom_base;
+  EXPECT_LT(local(at(-2.4).inverse() * at(x_m), T_first_now).norm(), 0.05);
 }
 
 }  // namespace

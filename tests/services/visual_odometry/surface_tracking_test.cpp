@@ -58,7 +58,7 @@ TEST_F(SurfaceTracking, NormalsArePlanes) {
   for (const SurfaceSample& s : seen.samples) {
     if (s.point.z() <= 0.0) continue;
     ++n;
-    EXPECT_LT(s.normal.z(), -0.9);
+    EXPECT_LT(s.normal.z(), -0.99);
     EXPECT_NEAR(s.point.z(), 2.0, 0.02);
   }
   EXPECT_GT(n, 0.9 * seen.columns * seen.rows);
@@ -86,6 +86,17 @@ TEST_F(SurfaceTracking, AlongAWallThePredictionIsKeptAndItsDoubtSaid) {
   EXPECT_NEAR(motion->T_odom_camera.translation().x(), guess.translation().x(), 0.002);
   EXPECT_GT(motion->covariance(0, 0), 0.25 * config_.prior_sigma_m * config_.prior_sigma_m);
   EXPECT_LT(motion->covariance(2, 2), 1e-5);
+}
+
+TEST_F(SurfaceTracking, TheSurfacesAloneSayNothingOfSlidingAlongAWall) {
+  const SE3 truth = before_ * moved_;
+  const auto motion = track_surfaces(view(kWall, before_), before_, view(kWall, truth), truth,
+                                     camera_, nullptr, config_);
+  ASSERT_TRUE(motion);
+  const Matrix6d& H = motion->information;
+  EXPECT_LT(H(0, 0), 0.02 * H(2, 2));
+  EXPECT_LT(H(1, 1), 0.02 * H(2, 2));
+  EXPECT_GT(H(4, 4), 0.0);
 }
 
 TEST_F(SurfaceTracking, OtherSurfacesAndNoneGiveNothing) {
