@@ -157,7 +157,7 @@ export class StagePanel {
   }
 
   private covered(): number {
-    return matchMedia("(min-width: 900px)").matches ? 210 : 0;
+    return matchMedia("(min-width: 900px)").matches ? 236 : 0;
   }
 
   private showEmpty(now: Situation): void {
