@@ -30,7 +30,8 @@ class Surroundings {
 
  private:
   static std::size_t place(int dx, int dy) {
-    return static_cast<std::size_t>((dy + 1) * 3 + dx + 1);
+    const int i = (dy + 1) * 3 + dx + 1;
+    return static_cast<std::size_t>(i);
   }
   std::array<const TileCells*, 9> tiles_{};
 };
