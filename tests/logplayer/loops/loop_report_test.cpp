@@ -116,6 +116,15 @@ TEST(LoopReport, NamesTheWrongOnesAndWhetherTheGraphFoundThemOut) {
   EXPECT_NE(report.text({}).find("beside the truth; switched off again\n"), std::string::npos);
 }
 
+TEST(LoopReport, ANodeJustBeforeTheTruthBeginsIsJudged) {
+  LoopReport report = there_and_back();
+  report.on_node({NodeKind::kLidar, 100}, -200'000);
+  report.on_node({NodeKind::kLidar, 101}, -300'000);
+  report.on_constraint(constraint(100, 80, SE3::Identity()));
+  report.on_constraint(constraint(101, 80, SE3::Identity()));
+  EXPECT_EQ(report.judge({})->judged, 1U);
+}
+
 TEST(LoopReport, WritesClosuresAsRelations) {
   LoopReport report = there_and_back();
   report.on_constraint(constraint(10, 70, from_xyz_rpy(1.0, 0, 0, 0, 0, M_PI / 2)));
