@@ -131,7 +131,8 @@ Points scan_from(const TiledGrid& grid, const SE2& T) {
   Points points;
   for (int i = 0; i < 180; ++i) {
     const double a = i * M_PI / 90.0;
-    for (double r = 0.3; r < 7.0; r += 0.01) {
+    for (int cm = 30; cm < 700; ++cm) {
+      const double r = 0.01 * cm;
       const Eigen::Vector2d p = T * Eigen::Vector2d(r * std::cos(a), r * std::sin(a));
       if (grid.at(grid.cell_of(p.x()), grid.cell_of(p.y())) != kWall) continue;
       points.emplace_back((r + 0.02) * std::cos(a), (r + 0.02) * std::sin(a));
