@@ -34,7 +34,7 @@ std::string state_text(const TrackingResult& result) {
 }  // namespace
 
 VisualOdometryProcess::VisualOdometryProcess(Bus& bus, VisualOdometryConfig config)
-    : bus_(bus), config_(config) {
+    : bus_(bus), config_(std::move(config)) {
   cv::setNumThreads(
       1);  // one frame has little to share out, and the other processes need the cores
   bus_.subscribe<camera_model_t>("CAMERA_MODEL", Policy::kLatestOnly,
