@@ -215,6 +215,7 @@ std::vector<Tile> LidarMapper::resume(const std::vector<LidarNode>& nodes) {
   std::vector<Tile> tiles = submaps_.finish_full();
   append(tiles, submaps_.take_changed_tiles());
   node_id_ = last.id;
+  chain_begins_ = false;
   T_odom_node_ = T_odom_base_ = last.T_odom_base;
   last_fix_us_ = last_scan_.utime_us = last.utime_us;
   clock_.advance(last.utime_us);
