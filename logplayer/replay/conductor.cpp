@@ -20,7 +20,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kPollPeriod = std::chrono::milliseconds(50);
 constexpr auto kStepRepeat = std::chrono::milliseconds(200);  // a lost STEP is sent again
-constexpr std::size_t kRepeatMemory = 256;  // as the receivers' (libs/bus/inbox.cpp)
+constexpr std::size_t kRepeatMemory = 256;    // as the receivers' (libs/bus/inbox.cpp)
+constexpr std::size_t kOneDatagram = 65'000;  // LCM cuts larger messages into several
 
 bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
@@ -235,6 +236,21 @@ Played Conductor::play(const LogEvent& event) {
   const auto published = bus_.published();
   const auto mine = published.find(event.channel);
   const bool first = mine == published.end();
+  // A message of many datagrams is the one that a full buffer loses. Its listeners learn that from
+  // our next STATUS; what came after it on its channel would be handled by then.
+  const auto lacks_the_last = [&](const channel_stats_t& theirs) {
+    return theirs.channel == event.channel && theirs.subscribed != 0 &&
+           theirs.received < mine->second;
+  };
+  if (options_.mode == Mode::kThroughput && !first && event.data.size() > kOneDatagram)
+    wait(
+        [&] {
+          return std::none_of(shared_->last.begin(), shared_->last.end(), [&](const auto& peer) {
+            const auto& channels = peer.second.channels;
+            return std::any_of(channels.begin(), channels.end(), lacks_the_last);
+          });
+        },
+        "replay");
   bus_.publish_bytes(event.channel, renumbered(event, first ? 1 : mine->second + 1));
   poll_();
   if (options_.mode == Mode::kLockstep) {

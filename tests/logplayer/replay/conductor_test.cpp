@@ -3,11 +3,13 @@
 #include "logplayer/replay/conductor.hpp"
 
 #include <atomic>
+#include <map>
 #include <random>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "bot_core/images_t.hpp"
 #include "bot_core/pose_t.hpp"
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "libs/bus/transport.hpp"
@@ -158,6 +160,48 @@ TEST(Conductor, InThroughputModeStatusTellsListenersWhatWasSent) {
   for (int i = 0; i < 500 && told < 10; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(told, 10);
+}
+
+// A frame may be lost and come again: the next must not be sent before it is there.
+TEST(Conductor, InThroughputModeLargeMessagesKeepTheirOrder) {
+  const auto transport = std::make_shared<Transport>("memq://");
+  Bus driver(named("replay", Mode::kThroughput), transport);
+  Bus ears(named("ears", Mode::kThroughput), transport);
+  const auto say = [&](std::int64_t received) {
+    status_t status{};
+    status.process = "other";
+    status.state = status_t::RUNNING;
+    channel_stats_t camera{};
+    camera.channel = "CAMERA";
+    camera.subscribed = 1;
+    camera.received = received;
+    camera.processed = 1;
+    status.channels = {camera};
+    status.n_channels = 1;
+    ears.publish("STATUS", status);
+  };
+  ConductorOptions options;
+  options.mode = Mode::kThroughput;
+  options.processes = {"other"};
+  std::map<std::int64_t, int> looks;  // frames sent -> how often the conductor polled then
+  Conductor conductor(driver, options, [&] {
+    const std::int64_t sent = driver.published()["CAMERA"];
+    if (++looks[sent] == 4) say(sent);
+  });
+  say(0);
+  conductor.wait_for_processes(10);
+  for (int i = 1; i <= 3; ++i) {
+    bot_core::images_t frame{};
+    frame.utime = i;
+    frame.n_images = 1;
+    frame.image_types = {bot_core::images_t::LEFT};
+    frame.images.resize(1);
+    frame.images[0].utime = i;
+    frame.images[0].size = 100'000;
+    frame.images[0].data.resize(100'000);
+    EXPECT_EQ(conductor.play({0, i, i, "CAMERA", bus_detail::encode(frame)}), Played::kYes);
+  }
+  EXPECT_GE(looks[2], 4) << "the third was sent before the second was there";
 }
 
 TEST(Conductor, NamesWhoIsMissing) {
