@@ -35,6 +35,9 @@ async function live(browser) {
   await until("every service to be seen", async () => knows(await stats(page)));
   const logger = start(work, "logger", "lcm-logger", ["--force", "--quiet", `--lcm-url=${NETWORK}`, join(work, "session.lcmlog")]);
   const player = start(work, "player", "lcm-logplayer", ["--speed=0.7", `--lcm-url=${NETWORK}`, join(work, "office.lcm")]);
+  player.startedAt = Date.now();
+  // At its pace it can't be further than 8.4 s by then, however far behind page and services are.
+  setTimeout(() => player.kill("SIGSTOP"), 12_000).unref();
   const early = await until("a first map", async () => {
     const now = await stats(page);
     return now.session?.area_m2 > 2 && now.fusedTiles > 0 && now.nodes > 2 ? now : null;
@@ -90,10 +93,10 @@ async function live(browser) {
 async function reset(page, player) {
   await until("some driving", async () => {
     const { session } = await stats(page);
-    return session.utime - session.first_utime > 7e6 || player.exitCode !== null;
+    return session.utime - session.first_utime > 3e6;
   });
-  check(player.exitCode === null, "the recording has not ended yet");
   player.kill("SIGSTOP");
+  check(player.exitCode === null, "the recording has not ended yet");
   page.once("dialog", (dialog) => void dialog.accept());
   await page.getByRole("button", { name: "Reset" }).click();
   await until("the old map to be gone", async () => {
@@ -102,6 +105,7 @@ async function reset(page, player) {
   });
   check((await stats(page)).link === "open", "Reset: every service has given up its map");
   await shot(page, "reset");
+  await new Promise((resolve) => setTimeout(resolve, Math.max(0, player.startedAt + 12_500 - Date.now())));
   player.kill("SIGCONT");
   const anew = await until("the new map", async () => {
     const now = await stats(page);
