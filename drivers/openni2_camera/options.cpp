@@ -13,11 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path robot_file(const std::string& robot) {
-  if (robot.find('/') != std::string::npos || fs::path(robot).extension() == ".yaml") return robot;
-  return config_directory() / "robots" / (robot + ".yaml");
-}
-
 void print_devices() {
   try {
     const OpenniRuntime runtime;
@@ -78,13 +73,9 @@ void add_options(CLI::App& app, CameraOptions* options) {
 }
 
 CameraProcessSetup load_setup(const CameraOptions& options) {
-  const fs::path file = robot_file(options.robot);
-  if (!fs::exists(file))
-    throw ConfigError("there is no robot " + options.robot + " (" + file.string() +
-                      "): write that file, see config/robots/lab-robot.yaml");
-  const RobotConfig robot = load_robot_config(file);
+  const RobotConfig robot = find_robot(options.robot);
   if (!robot.robot.has_camera)
-    throw ConfigError(file.string() + ": robot '" + robot.robot.name +
+    throw ConfigError(options.robot + ": robot '" + robot.robot.name +
                       "' has no camera: add the key 'camera'");
   const fs::path camera_file =
       options.calibration.empty() ? robot.camera_file : fs::path(options.calibration);

@@ -1,6 +1,5 @@
 #include "drivers/rplidar/options.hpp"
 
-#include <filesystem>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
@@ -11,13 +10,6 @@
 
 namespace fusion_slam {
 namespace {
-
-namespace fs = std::filesystem;
-
-fs::path robot_file(const std::string& robot) {
-  if (robot.find('/') != std::string::npos || fs::path(robot).extension() == ".yaml") return robot;
-  return config_directory() / "robots" / (robot + ".yaml");
-}
 
 void print_ports() {
   const auto ports = serial_ports();
@@ -58,13 +50,9 @@ void add_options(CLI::App& app, RplidarOptions* options) {
 }
 
 RplidarSetup load_setup(const RplidarOptions& options) {
-  const fs::path file = robot_file(options.robot);
-  if (!fs::exists(file))
-    throw ConfigError("there is no robot " + options.robot + " (" + file.string() +
-                      "): write that file, see config/robots/lab-robot.yaml");
-  const RobotConfig robot = load_robot_config(file);
+  const RobotConfig robot = find_robot(options.robot);
   if (!robot.robot.has_lidar)
-    throw ConfigError(file.string() + ": robot '" + robot.robot.name +
+    throw ConfigError(options.robot + ": robot '" + robot.robot.name +
                       "' has no LiDAR: add the key 'lidar'");
   const LidarConnection connection = load_lidar_connection(robot.lidar_file);
   RplidarSetup setup;

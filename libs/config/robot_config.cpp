@@ -66,6 +66,17 @@ RobotConfig load_robot_config(const fs::path& path) {
   return config;
 }
 
+RobotConfig find_robot(const std::string& robot) {
+  const bool is_file =
+      robot.find('/') != std::string::npos || fs::path(robot).extension() == ".yaml";
+  const fs::path file =
+      is_file ? fs::path(robot) : config_directory() / "robots" / (robot + ".yaml");
+  if (!fs::exists(file))
+    throw ConfigError("there is no robot " + robot + " (" + file.string() +
+                      "): write that file, see config/robots/lab-robot.yaml");
+  return load_robot_config(file);
+}
+
 fs::path config_directory() {
   if (const char* directory = std::getenv("FUSION_SLAM_CONFIG")) {
     if (fs::is_directory(fs::path(directory) / "robots")) return directory;

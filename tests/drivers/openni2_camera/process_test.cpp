@@ -1,19 +1,15 @@
 // The process on a private bus, with the virtual device; and its options.
-#include <fstream>
-#include <functional>
-
 #include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "drivers/openni2_camera/camera_process.hpp"
 #include "drivers/openni2_camera/options.hpp"
 #include "fusion_slam/camera_model_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
-#include "libs/bus/transport.hpp"
 #include "libs/camera_messages/images.hpp"
-#include "libs/config/yaml_map.hpp"
+#include "tests/drivers/config_folder.hpp"
+#include "tests/drivers/device_on_bus.hpp"
 #include "tests/drivers/openni2_camera/rig.hpp"
 
 namespace fusion_slam {
@@ -21,44 +17,25 @@ namespace {
 
 using testing::HasSubstr;
 
-class CameraOnBus : public testing::Test {
+class CameraOnBus : public DeviceOnBus<CameraProcess> {
  protected:
-  CameraOnBus() {
-    BusOptions options;
-    options.process = "openni2_camera";
-    bus_ = std::make_unique<Bus>(options, transport_);
-    options.process = "world";
-    options.merge_wait_us = 0;
-    world_ = std::make_unique<Bus>(options, transport_);
-    world_->subscribe<bot_core::images_t>("CAMERA", Policy::kKeepAll,
-                                          [this](const auto& m) { frames_.push_back(m); });
-    world_->subscribe<camera_model_t>("CAMERA_MODEL", Policy::kKeepAll,
-                                      [this](const auto& m) { models_.push_back(m); });
-    world_->subscribe<robot_model_t>("ROBOT_MODEL", Policy::kKeepAll,
-                                     [this](const auto&) { ++robots_; });
+  CameraOnBus() : DeviceOnBus("openni2_camera") {
+    world_.subscribe<bot_core::images_t>("CAMERA", Policy::kKeepAll,
+                                         [this](const auto& m) { frames_.push_back(m); });
+    world_.subscribe<camera_model_t>("CAMERA_MODEL", Policy::kKeepAll,
+                                     [this](const auto& m) { models_.push_back(m); });
+    world_.subscribe<robot_model_t>("ROBOT_MODEL", Policy::kKeepAll,
+                                    [this](const auto&) { ++robots_; });
   }
-  ~CameraOnBus() override {
-    bus_->stop();
-    if (runner_.joinable()) runner_.join();
-    process_.reset();
-  }
+  ~CameraOnBus() override { finish(); }  // before its device goes
   void start(bool has_lidar) {
     RobotModel robot;
     robot.has_camera = true;
     robot.has_lidar = has_lidar;
-    process_ = std::make_unique<CameraProcess>(*bus_, robot, rig_.config());
-    runner_ = std::thread([this] { bus_->run(); });
-  }
-  bool soon(const std::function<bool()>& condition) {
-    for (int i = 0; i < 3000 && !condition(); ++i) world_->handle(10);
-    return condition();
+    run(robot, rig_.config());
   }
 
   CameraRig rig_;  // its device; the driver is the process's
-  std::shared_ptr<Transport> transport_ = std::make_shared<Transport>("memq://");
-  std::unique_ptr<Bus> bus_, world_;
-  std::unique_ptr<CameraProcess> process_;
-  std::thread runner_;
   std::vector<bot_core::images_t> frames_;
   std::vector<camera_model_t> models_;
   int robots_ = 0;
@@ -80,30 +57,26 @@ TEST_F(CameraOnBus, PublishesFramesAndTheModelTheyFit) {
     EXPECT_GT(frames_[i].utime, i == 0 ? 0 : frames_[i - 1].utime);
   }
   EXPECT_TRUE(soon([&] {
-    return bus_->status().state_text.find("depth to colour 3.0 ms") != std::string::npos;
+    return bus_.status().state_text.find("depth to colour 3.0 ms") != std::string::npos;
   }));
 }
 
 TEST_F(CameraOnBus, SaysWhyThereAreNoFramesAndWhoseRobotItIs) {
   start(false);
   ASSERT_TRUE(soon([&] { return robots_ > 0; }));
-  EXPECT_THAT(bus_->status().state_text, HasSubstr("no frames: no OpenNI2 device"));
+  EXPECT_THAT(bus_.status().state_text, HasSubstr("no frames: no OpenNI2 device"));
   EXPECT_TRUE(frames_.empty());
   rig_.plug_in();
   EXPECT_TRUE(soon([&] { return frames_.size() >= 2; }));
-  EXPECT_THAT(bus_->status().state_text, HasSubstr("running:"));
+  EXPECT_THAT(bus_.status().state_text, HasSubstr("running:"));
 }
 
 TEST_F(CameraOnBus, CommandResetOpensTheDeviceAgain) {
   rig_.plug_in();
   start(true);
   ASSERT_TRUE(soon([&] { return !frames_.empty(); }));
-  command_t command{};
-  command.target = "openni2_camera";
-  command.verb = "reset";
-  world_->publish("COMMAND", command);
-  EXPECT_TRUE(soon(
-      [&] { return bus_->status().last_error.find("restart asked for") != std::string::npos; }));
+  command("openni2_camera", "reset");
+  EXPECT_TRUE(said("restart asked for"));
   const std::size_t n = frames_.size();
   EXPECT_TRUE(soon([&] { return frames_.size() > n + 2; }));
 }
@@ -116,35 +89,20 @@ TEST(CameraProcessMode, RunsLiveOnly) {
   EXPECT_THROW(CameraProcess(bus, RobotModel{}, CameraDriverConfig{}), std::runtime_error);
 }
 
-class CameraOptionsTest : public testing::Test {
+class CameraOptionsTest : public testing::Test, protected ConfigFolder {
  protected:
-  CameraOptionsTest()
-      : folder_(std::filesystem::temp_directory_path() /
-                ("openni2-options-" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(folder_ / "robots");
-    std::filesystem::create_directories(folder_ / "sensors");
+  CameraOptionsTest() : ConfigFolder("openni2-options") {
     write("sensors/cam.yaml",
           "kind: camera\nfx_px: 600\ncolour: /dev/video2\nauto_exposure: false\njpeg_quality: 80\n"
           "depth_fx_px: 580\ndepth_fy_px: 581\ndepth_cx_px: 320\ndepth_cy_px: 240\n"
           "depth_mount_xyz_m_rpy_deg: [0.025, 0, 0, 0, 0, 90]\nstamp_offset_ms: -12\n");
     write("robots/r.yaml", "camera: cam\n");
   }
-  ~CameraOptionsTest() override { std::filesystem::remove_all(folder_); }
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-  }
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-  std::string error_of(const std::string& robot) const {
+  static std::string error_of(const std::string& robot) {
     CameraOptions options;
     options.robot = robot;
-    try {
-      load_setup(options);
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
-    return "";
+    return error_of_setup(options);
   }
-  std::filesystem::path folder_;
 };
 
 TEST_F(CameraOptionsTest, TheCommandLineWinsOverTheFile) {

@@ -1,7 +1,4 @@
 // The process on a private bus, with the virtual device; and its options.
-#include <fstream>
-#include <functional>
-
 #include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +7,9 @@
 #include "drivers/rplidar/options.hpp"
 #include "drivers/rplidar/rplidar_process.hpp"
 #include "fusion_slam/robot_model_t.hpp"
-#include "libs/bus/transport.hpp"
-#include "libs/config/yaml_map.hpp"
 #include "libs/messages/models.hpp"
+#include "tests/drivers/config_folder.hpp"
+#include "tests/drivers/device_on_bus.hpp"
 #include "tests/drivers/rplidar/rig.hpp"
 
 namespace fusion_slam {
@@ -20,45 +17,25 @@ namespace {
 
 using testing::HasSubstr;
 
-class RplidarOnBus : public testing::Test {
+class RplidarOnBus : public DeviceOnBus<RplidarProcess> {
  protected:
-  RplidarOnBus() : rig_("a1", virtual_room(18, 360)) {
-    BusOptions options;
-    options.process = "rplidar";
-    bus_ = std::make_unique<Bus>(options, transport_);
-    options.process = "world";
-    options.merge_wait_us = 0;
-    world_ = std::make_unique<Bus>(options, transport_);
-    world_->subscribe<bot_core::planar_lidar_t>("LIDAR", Policy::kKeepAll,
-                                                [this](const auto& m) { scans_.push_back(m); });
-    world_->subscribe<robot_model_t>("ROBOT_MODEL", Policy::kKeepAll,
-                                     [this](const auto& m) { models_.push_back(m); });
+  RplidarOnBus() : DeviceOnBus("rplidar"), rig_("a1", virtual_room(18, 360)) {
+    world_.subscribe<bot_core::planar_lidar_t>("LIDAR", Policy::kKeepAll,
+                                               [this](const auto& m) { scans_.push_back(m); });
+    world_.subscribe<robot_model_t>("ROBOT_MODEL", Policy::kKeepAll,
+                                    [this](const auto& m) { models_.push_back(m); });
   }
-  ~RplidarOnBus() override { finish(); }
+  ~RplidarOnBus() override { finish(); }  // before its device goes
   void start() {
     RobotModel robot;
     robot.name = "tester";
     robot.has_lidar = true;
     RplidarConfig config;
     config.port = rig_.port().string();
-    process_ = std::make_unique<RplidarProcess>(*bus_, robot, config);
-    runner_ = std::thread([this] { bus_->run(); });
-  }
-  void finish() {
-    bus_->stop();
-    if (runner_.joinable()) runner_.join();
-    process_.reset();
-  }
-  bool soon(const std::function<bool()>& condition) {
-    for (int i = 0; i < 2000 && !condition(); ++i) world_->handle(10);
-    return condition();
+    run(robot, config);
   }
 
   RplidarRig rig_;  // its device; the driver is the process's
-  std::shared_ptr<Transport> transport_ = std::make_shared<Transport>("memq://");
-  std::unique_ptr<Bus> bus_, world_;
-  std::unique_ptr<RplidarProcess> process_;
-  std::thread runner_;
   std::vector<bot_core::planar_lidar_t> scans_;
   std::vector<robot_model_t> models_;
 };
@@ -67,7 +44,7 @@ TEST_F(RplidarOnBus, PublishesTurnsAndTheModelTheyFit) {
   rig_.plug_in();
   start();
   ASSERT_TRUE(soon([&] { return scans_.size() >= 4 && !models_.empty(); }));
-  EXPECT_THAT(bus_->status().state_text, HasSubstr("scanning: RPLIDAR A1M8"));
+  EXPECT_THAT(bus_.status().state_text, HasSubstr("scanning: RPLIDAR A1M8"));
   finish();
   EXPECT_EQ(models_[0].name, "tester");
   const double express_s = rig_.device().standard_period_s() / 2.0;
@@ -86,8 +63,8 @@ TEST_F(RplidarOnBus, PublishesTurnsAndTheModelTheyFit) {
 TEST_F(RplidarOnBus, WithoutADeviceOthersStillGetTheRobot) {
   start();
   ASSERT_TRUE(soon([&] { return !models_.empty(); }));
-  EXPECT_THAT(bus_->status().state_text, HasSubstr("there is no port"));
-  EXPECT_THAT(bus_->status().last_error, HasSubstr("there is no port"));
+  EXPECT_THAT(bus_.status().state_text, HasSubstr("there is no port"));
+  EXPECT_THAT(bus_.status().last_error, HasSubstr("there is no port"));
   EXPECT_DOUBLE_EQ(models_[0].lidar_beam_period_s, 0.0);
   // What was announced stays, whatever is plugged in later.
   rig_.plug_in();
@@ -101,12 +78,8 @@ TEST_F(RplidarOnBus, CommandResetRebootsTheDevice) {
   rig_.plug_in();
   start();
   ASSERT_TRUE(soon([&] { return !scans_.empty(); }));
-  command_t command{};
-  command.target = "rplidar";
-  command.verb = "reset";
-  world_->publish("COMMAND", command);
-  EXPECT_TRUE(soon(
-      [&] { return bus_->status().last_error.find("restart asked for") != std::string::npos; }));
+  command("rplidar", "reset");
+  EXPECT_TRUE(said("restart asked for"));
   const std::size_t n = scans_.size();
   EXPECT_TRUE(soon([&] { return scans_.size() > n + 1; }));
 }
@@ -119,34 +92,19 @@ TEST(RplidarProcess, RunsLiveOnly) {
   EXPECT_THROW(RplidarProcess(bus, RobotModel{}, RplidarConfig{}), std::runtime_error);
 }
 
-class Options : public testing::Test {
+class Options : public testing::Test, protected ConfigFolder {
  protected:
-  Options()
-      : folder_(std::filesystem::temp_directory_path() /
-                ("rplidar-options-" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(folder_ / "robots");
-    std::filesystem::create_directories(folder_ / "sensors");
+  Options() : ConfigFolder("rplidar-options") {
     write("sensors/my-lidar.yaml",
           "kind: lidar\nbeam_period_s: 0.0005\nport: /dev/mine\nbaud: 256000\nmodel: a2\n"
           "scan_mode: standard\n");
     write("robots/r.yaml", "lidar: my-lidar\nlidar_mount_xyz_m_rpy_deg: [0.1, 0, 0.2, 0, 0, 90]\n");
   }
-  ~Options() override { std::filesystem::remove_all(folder_); }
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-  }
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-  std::string error_of(const std::string& robot) const {
+  static std::string error_of(const std::string& robot) {
     RplidarOptions options;
     options.robot = robot;
-    try {
-      load_setup(options);
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
-    return "";
+    return error_of_setup(options);
   }
-  std::filesystem::path folder_;
 };
 
 TEST_F(Options, TheCommandLineWinsOverTheFile) {

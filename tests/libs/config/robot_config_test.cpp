@@ -95,6 +95,9 @@ TEST(ShippedConfig, EveryRobotLoads) {
 
 TEST(ShippedConfig, IsFoundFromTheBuildTree) {
   EXPECT_TRUE(fs::exists(config_directory() / "robots/maebot.yaml"));
+  EXPECT_EQ(find_robot("maebot").robot.name,
+            find_robot((config_directory() / "robots/maebot.yaml").string()).robot.name);
+  EXPECT_THROW(find_robot("no-such-robot"), ConfigError);
 }
 
 TEST(ShippedConfig, HandHeldCameraIsBase) {
