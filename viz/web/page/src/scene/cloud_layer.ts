@@ -1,8 +1,8 @@
 // The coloured point cloud: pages of 131,072 points, one draw call each.
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, Points, ShaderMaterial } from "three";
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Points, ShaderMaterial } from "three";
 import { unzlibSync } from "fflate";
 import { ENCODING, type TileHead } from "../protocol";
-import { BlockBuffer, type PageStore } from "./block_buffer";
+import { PagedLayer } from "./paged_layer";
 
 const BLOCK = 256;
 const BLOCKS = 512;
@@ -24,14 +24,15 @@ const fragmentShader = `
 varying vec3 shade;
 void main() { gl_FragColor = vec4(shade, 1.0); }`;
 
-export class CloudLayer implements PageStore {
-  readonly group = new Group();
-  private buffer = new BlockBuffer(this, BLOCK, BLOCKS);
-  private pages: { position: BufferAttribute; tint: BufferAttribute; geometry: BufferGeometry }[] = [];
+export class CloudLayer extends PagedLayer {
   private material = new ShaderMaterial({
     vertexShader, fragmentShader,
     uniforms: { size: { value: 0.03 }, pixels: { value: 500 }, perspective: { value: true } },
   });
+
+  constructor() {
+    super(BLOCK, BLOCKS, NOWHERE);
+  }
 
   set(key: string, tile: TileHead): void {
     if (tile.encoding !== ENCODING.cloud) return;
@@ -41,7 +42,7 @@ export class CloudLayer implements PageStore {
     const edge = tile.resolution * tile.size;
     this.material.uniforms.size.value = Math.max(0.01, tile.resolution * 1.2);
     this.buffer.replace(key, n, (source, count, page, to) => {
-      const { position, tint } = this.pages[page];
+      const [position, tint] = this.pages[page].attributes;
       const xyz = position.array as Float32Array;
       const rgb = tint.array as Uint8Array;
       for (let i = 0; i < count; i++) {
@@ -56,21 +57,6 @@ export class CloudLayer implements PageStore {
       }
       this.touch(page, to, count);
     });
-  }
-
-  remove(key: string): void {
-    this.buffer.replace(key, 0, () => undefined);
-  }
-
-  clear(): void {
-    this.buffer.clear();
-    for (const page of this.pages) page.geometry.dispose();
-    this.pages = [];
-    this.group.clear();
-  }
-
-  get total(): number {
-    return this.buffer.total;
   }
 
   scaleTo(pixelsPerMetre: number, perspective: boolean): void {
@@ -88,18 +74,6 @@ export class CloudLayer implements PageStore {
     const points = new Points(geometry, this.material);
     points.frustumCulled = false;
     this.group.add(points);
-    this.pages[page] = { position, tint, geometry };
-  }
-
-  erase(page: number, from: number, count: number): void {
-    (this.pages[page].position.array as Float32Array).fill(NOWHERE, 3 * from, 3 * (from + count));
-    this.touch(page, from, count);
-  }
-
-  private touch(page: number, from: number, count: number): void {
-    for (const attribute of [this.pages[page].position, this.pages[page].tint]) {
-      attribute.addUpdateRange(3 * from, 3 * count);
-      attribute.needsUpdate = true;
-    }
+    this.pages[page] = { geometry, attributes: [position, tint] };
   }
 }

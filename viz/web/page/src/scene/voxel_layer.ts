@@ -1,11 +1,11 @@
 // The OctoMap's occupied voxels as boxes, coloured by height (cividis, readable for the colour-blind). Only those with a free or
 // unknown neighbour are drawn, and of each box only the three faces that look at the camera.
 import {
-  BufferAttribute, DynamicDrawUsage, Group, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, ShaderMaterial,
+  BufferAttribute, DynamicDrawUsage, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, ShaderMaterial,
 } from "three";
 import { unzlibSync } from "fflate";
 import { ENCODING, type TileHead } from "../protocol";
-import { BlockBuffer, type PageStore } from "./block_buffer";
+import { PagedLayer } from "./paged_layer";
 
 const N = 32;
 const BLOCK = 128;
@@ -43,10 +43,7 @@ const fragmentShader = `
 varying vec3 shade;
 void main() { gl_FragColor = vec4(shade, 1.0); }`;
 
-export class VoxelLayer implements PageStore {
-  readonly group = new Group();
-  private buffer = new BlockBuffer(this, BLOCK, BLOCKS);
-  private pages: { box: InstancedBufferAttribute; geometry: InstancedBufferGeometry }[] = [];
+export class VoxelLayer extends PagedLayer {
   private scratch = new Float32Array(4 * N * N * N);
   private logOdds = new Int8Array(N * N * N);
   private material = new ShaderMaterial({
@@ -54,29 +51,18 @@ export class VoxelLayer implements PageStore {
     uniforms: { eye: { value: null }, look: { value: null }, perspective: { value: true } },
   });
 
+  constructor() {
+    super(BLOCK, BLOCKS, 0);
+  }
+
   set(key: string, tile: TileHead): void {
     if (tile.encoding !== ENCODING.octomap || tile.size !== N) return;
     const n = this.boxes(tile, unzlibSync(tile.packed));
     this.buffer.replace(key, n, (source, count, page, to) => {
-      const target = this.pages[page].box.array as Float32Array;
+      const target = this.pages[page].attributes[0].array as Float32Array;
       target.set(this.scratch.subarray(4 * source, 4 * (source + count)), 4 * to);
       this.touch(page, to, count);
     });
-  }
-
-  remove(key: string): void {
-    this.buffer.replace(key, 0, () => undefined);
-  }
-
-  clear(): void {
-    this.buffer.clear();
-    for (const page of this.pages) page.geometry.dispose();
-    this.pages = [];
-    this.group.clear();
-  }
-
-  get total(): number {
-    return this.buffer.total;
   }
 
   seenFrom(eye: unknown, look: unknown, perspective: boolean): void {
@@ -97,17 +83,7 @@ export class VoxelLayer implements PageStore {
     const mesh = new Mesh(geometry, this.material);
     mesh.frustumCulled = false;
     this.group.add(mesh);
-    this.pages[page] = { box, geometry };
-  }
-
-  erase(page: number, from: number, count: number): void {
-    (this.pages[page].box.array as Float32Array).fill(0, 4 * from, 4 * (from + count));
-    this.touch(page, from, count);
-  }
-
-  private touch(page: number, from: number, count: number): void {
-    this.pages[page].box.addUpdateRange(4 * from, 4 * count);
-    this.pages[page].box.needsUpdate = true;
+    this.pages[page] = { geometry, attributes: [box] };
   }
 
   // Fills scratch with the boxes to be drawn; how many.
