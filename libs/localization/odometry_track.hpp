@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 
-#include "libs/geometry/pose.hpp"
+#include "libs/geometry/timed_poses.hpp"
 
 namespace fusion_slam {
 
@@ -20,7 +20,7 @@ class OdometryTrack {
   }
 
  private:
-  std::map<std::int64_t, SE3> poses_;  // of the latest seconds
+  TimedPoses poses_;  // of the latest seconds
 };
 
 }  // namespace fusion_slam

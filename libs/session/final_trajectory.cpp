@@ -1,11 +1,11 @@
 #include "libs/session/final_trajectory.hpp"
 
-#include <iterator>
+#include "libs/geometry/timed_poses.hpp"
 
 namespace fusion_slam {
 namespace {
 
-constexpr std::uint64_t kMaxBridgeUs = 500'000;
+constexpr std::int64_t kMaxBridgeUs = 500'000;
 
 std::optional<SE3> in_map(const TrackedSession& session, const TrackedPose& pose) {
   const auto node = session.T_map_nodes.find(pose.reference);
@@ -19,21 +19,6 @@ std::map<std::int64_t, SE3> all_in_map(const TrackedSession& session,
   for (const auto& [utime_us, pose] : poses)
     if (const auto T_map_base = in_map(session, pose)) result.emplace(utime_us, *T_map_base);
   return result;
-}
-
-std::optional<SE3> between(const std::map<std::int64_t, SE3>& scans, std::int64_t utime_us) {
-  const auto after = scans.lower_bound(utime_us);
-  if (after == scans.end()) return std::nullopt;
-  if (after->first == utime_us) return after->second;
-  if (after == scans.begin()) return std::nullopt;
-  const auto before = std::prev(after);
-  // Unsigned: times of hostile messages may be further apart than an int64 can say.
-  const std::uint64_t start_us = static_cast<std::uint64_t>(before->first);
-  const std::uint64_t gap_us = static_cast<std::uint64_t>(after->first) - start_us;
-  if (gap_us > kMaxBridgeUs) return std::nullopt;
-  const std::uint64_t since_us = static_cast<std::uint64_t>(utime_us) - start_us;
-  return interpolate(before->second, after->second,
-                     static_cast<double>(since_us) / static_cast<double>(gap_us));
 }
 
 }  // namespace
@@ -53,7 +38,7 @@ std::vector<FinalPose> final_trajectory(const TrackedSession& session) {
     const auto frame = frames.find(utime_us);
     if (frame != frames.end())
       trajectory.push_back({utime_us, frame->second, false});
-    else if (const auto T_map_base = between(scans, utime_us))
+    else if (const auto T_map_base = pose_at(scans, utime_us, kMaxBridgeUs))
       trajectory.push_back({utime_us, *T_map_base, true});
   }
   return trajectory;

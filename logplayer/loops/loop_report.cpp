@@ -45,17 +45,11 @@ void LoopReport::on_graph(const graph_t& message) {
 std::optional<SE3> LoopReport::true_pose(const NodeId& id) const {
   const auto utime = utime_of_.find(id);
   if (utime == utime_of_.end()) return std::nullopt;
-  const auto after = truth_.lower_bound(utime->second);
-  if (after == truth_.end()) return std::nullopt;
-  if (after->first == utime->second) return after->second;
-  if (after == truth_.begin())  // the truth often begins with the second message
-    return after->first - utime->second <= kTruthGap_us ? std::optional<SE3>(after->second)
-                                                        : std::nullopt;
-  const auto before = std::prev(after);
-  const auto gap = after->first - before->first;
-  if (gap > kTruthGap_us) return std::nullopt;
-  return interpolate(before->second, after->second,
-                     static_cast<double>(utime->second - before->first) / static_cast<double>(gap));
+  // The truth often begins with the second message.
+  const bool is_early = !truth_.empty() && utime->second < truth_.begin()->first;
+  if (is_early && truth_.begin()->first - utime->second <= kTruthGap_us)
+    return truth_.begin()->second;
+  return pose_at(truth_, utime->second, kTruthGap_us);
 }
 
 std::optional<Vector6d> LoopReport::true_error(const Closure& closure) const {

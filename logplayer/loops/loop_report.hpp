@@ -13,7 +13,7 @@
 #include "fusion_slam/constraint_t.hpp"
 #include "fusion_slam/graph_t.hpp"
 #include "fusion_slam/loop_candidate_t.hpp"
-#include "libs/geometry/pose.hpp"
+#include "libs/geometry/timed_poses.hpp"
 #include "libs/graph/node_id.hpp"
 
 namespace fusion_slam {
@@ -72,7 +72,7 @@ class LoopReport {
   std::vector<Closure> closures_;
   std::vector<loop_state_t> switched_off_;
   std::int64_t graph_loops_ = 0;
-  std::map<std::int64_t, SE3> truth_;
+  TimedPoses truth_;
   SE3 T_base_reference_ = SE3::Identity();
 };
 

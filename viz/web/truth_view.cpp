@@ -29,15 +29,7 @@ void TruthView::on_truth(std::int64_t utime_us, const SE3& T_truth_base) {
 }
 
 std::optional<SE3> TruthView::at(std::int64_t utime_us) const {
-  const auto after = poses_.lower_bound(utime_us);
-  if (after == poses_.end()) return std::nullopt;
-  if (after->first == utime_us) return after->second;
-  if (after == poses_.begin()) return std::nullopt;
-  const auto before = std::prev(after);
-  const std::int64_t gap_us = after->first - before->first;
-  if (gap_us > kMostGap_us) return std::nullopt;
-  return interpolate(before->second, after->second,
-                     static_cast<double>(utime_us - before->first) / static_cast<double>(gap_us));
+  return pose_at(poses_, utime_us, kMostGap_us);
 }
 
 std::optional<SE3> TruthView::newest() const {

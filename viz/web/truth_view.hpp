@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "libs/geometry/pose.hpp"
+#include "libs/geometry/timed_poses.hpp"
 #include "viz/web/graph_view.hpp"
 #include "viz/web/item_store.hpp"
 
@@ -33,7 +33,7 @@ class TruthView {
   std::optional<SE3> at(std::int64_t utime_us) const;  // interpolated over at most 1 s
 
   ItemStore& store_;
-  std::map<std::int64_t, SE3> poses_;
+  TimedPoses poses_;
   std::vector<Eigen::Vector3f> drawn_;
   SE3 T_map_truth_ = SE3::Identity();
 };
