@@ -39,6 +39,7 @@ struct Bus::Impl {
   void idle();  // STATUS, indexes, requests for what is missing, answers to requests
   void request_missing(std::int64_t now);
   void answer_requests(std::int64_t now);
+  void send_resend(resend_t message);  // out_mutex held
 
   // --- handling thread ---
   bool handle_one(int timeout_ms);
@@ -111,7 +112,9 @@ struct Bus::Impl {
     Handler handler;
     bool sent = false;  // false: notes, for the journal alone
   };
-  void open_journal();  // hands over what is in it, or waits with that until recover()
+  void open_journal();          // hands over what is in it, or waits with that until recover()
+  void mark_journal(bool cut);  // journal_mutex held
+  void skip_lost_numbers();
   void read_said();
   void read_handled(bool when_asked);
   void write_to_journal(const InboxItem& item);

@@ -1,9 +1,12 @@
 // The Bus's journal: a live process that is killed and started again first takes back what it had
 // said, then handles again what it had handled.
+#include <algorithm>
+#include <fstream>
 #include <iostream>
 #include <vector>
 
 #include "libs/bus/bus_internal.hpp"
+#include "libs/bus/journal_mark.hpp"
 #include "libs/clock/clock.hpp"
 #include "libs/schema/guard.hpp"
 
@@ -11,6 +14,20 @@ namespace fusion_slam {
 namespace {
 
 constexpr std::int64_t kRevisionStep = 1'000'000;  // more tiles than one process makes of a key
+
+// Another one after each start of the machine; empty when it can't be known.
+std::string boot_id() {
+  std::ifstream in("/proc/sys/kernel/random/boot_id");
+  std::string id;
+  std::getline(in, id);
+  return id;
+}
+
+command_t mark_from(const LogEvent& event) {
+  command_t mark{};
+  if (mark.decode(event.data.data(), 0, static_cast<int>(event.data.size())) < 0) return {};
+  return mark;
+}
 
 // Reads at most so many records.
 template <class OnRecord>
@@ -26,10 +43,20 @@ void read_first(const std::string& file, std::int64_t n_records, OnRecord on_rec
 void Bus::Impl::open_journal() {
   const bool wanted = !journal_channels.empty() || !said.empty();
   if (options.journal.empty() || options.mode != Mode::kLive || journal || !wanted) return;
+  const bool speaks = std::any_of(said.begin(), said.end(),
+                                  [](const auto& channel) { return channel.second.sent; });
   {
     const std::lock_guard<std::mutex> lock(journal_mutex);
-    journal = std::make_unique<Journal>(options.journal);
-    n_to_recover = journal->state().n_records;
+    std::string last_boot = boot_id();
+    journal = std::make_unique<Journal>(options.journal, [&](const LogEvent& event) {
+      if (event.channel == kJournalMark) last_boot = mark_from(event).argument;
+    });
+    const JournalState& state = journal->state();
+    const bool empty = state.n_records == 0;
+    // What the kernel had survives a process; it need not survive the machine.
+    const bool cut = state.cut_bytes > 0 || (state.existed && empty) || last_boot != boot_id();
+    if (speaks) mark_journal(cut);
+    n_to_recover = empty && !cut ? 0 : journal->state().n_records;
   }
   if (n_to_recover == 0) return;
   read_said();
@@ -48,10 +75,14 @@ void Bus::Impl::read_said() {
   recovering = true;
   const LcmType* tile_type = builtin_schema().find("fusion_slam.tile_t");
   read_first(options.journal, n_to_recover, [&](const LogEvent& event) {
+    if (event.channel == kJournalMark && mark_from(event).verb == kJournalCut) skip_lost_numbers();
     const auto it = said.find(event.channel);
     if (it == said.end()) return;
     if (it->second.sent) {
       const std::lock_guard<std::mutex> lock(out_mutex);
+      if (it->second.handler.type->continues_with_seq)
+        outbox.skip_to(event.channel,
+                       peek_seq(event.data.data(), event.data.size()).value_or(0) - 1);
       if (it->second.handler.type == tile_type) {
         const auto tile = bus_detail::decode<tile_t>(event.data.data(), event.data.size());
         outbox.sent_tile(event.channel, {tile.submap_id, tile.x, tile.y, tile.z}, tile.revision,
@@ -64,6 +95,25 @@ void Bus::Impl::read_said() {
     hand_over(event.channel, it->second.handler, event);
   });
   recovering = false;
+}
+
+// None of those that may have been lost is given a second time: listeners know them.
+void Bus::Impl::skip_lost_numbers() {
+  const std::lock_guard<std::mutex> lock(out_mutex);
+  for (const auto& [channel, what] : said)
+    if (what.sent && what.handler.type->continues_with_seq)
+      outbox.skip_to(channel, first_after_cut(outbox.next_seq(channel) - 1) - 1);
+}
+
+void Bus::Impl::mark_journal(bool cut) {
+  command_t mark{};
+  mark.utime = wall_us();
+  mark.target = options.process;
+  mark.verb = cut ? kJournalCut : kJournalOpened;
+  mark.argument = boot_id();
+  const auto bytes = bus_detail::encode(mark);
+  if (!journal->append(mark.utime, kJournalMark, bytes.data(), bytes.size()))
+    report("the journal " + options.journal + " can't be written: is the disk full?");
 }
 
 void Bus::Impl::read_handled(bool when_asked) {

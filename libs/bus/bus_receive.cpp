@@ -101,8 +101,16 @@ void Bus::Impl::receive(std::size_t index, const std::uint8_t* bytes, std::size_
 }
 
 void Bus::Impl::on_resend(const resend_t& request) {
-  const std::lock_guard<std::mutex> lock(out_mutex);
-  outbox.request(request);
+  {
+    const std::lock_guard<std::mutex> lock(out_mutex);
+    outbox.request(request);
+  }
+  // A publisher's answer: from and to of numbers that were never given.
+  const std::lock_guard<std::mutex> lock(mutex);
+  for (auto& mine : inbox.channels())
+    for (std::size_t i = 0; mine.name == request.channel && i + 1 < request.seqs.size(); i += 2)
+      if (request.seqs[i] < 0 && request.seqs[i + 1] < 0)
+        mine.sequence.never_given(-request.seqs[i], -request.seqs[i + 1]);
 }
 
 void Bus::Impl::on_step(const step_t& step) {
@@ -180,19 +188,24 @@ void Bus::Impl::request_missing(std::int64_t now) {
   }
   for (resend_t& request : requests) {
     const std::lock_guard<std::mutex> lock(out_mutex);
-    request.utime = wall_us();
-    request.requester = options.process;
-    request.seq = outbox.next_seq("RESEND");
-    const auto bytes = bus_detail::encode(request);
-    outbox.sent_once("RESEND", bytes.size());
-    transport->publish("RESEND", bytes);
+    send_resend(std::move(request));
   }
+}
+
+void Bus::Impl::send_resend(resend_t message) {
+  message.utime = wall_us();
+  message.requester = options.process;
+  message.seq = outbox.next_seq("RESEND");
+  const auto bytes = bus_detail::encode(message);
+  outbox.sent_once("RESEND", bytes.size());
+  transport->publish("RESEND", bytes);
 }
 
 void Bus::Impl::answer_requests(std::int64_t now) {
   if (now - last_answer_us < kAnswerPeriod_us) return;
   last_answer_us = now;
   const std::lock_guard<std::mutex> lock(out_mutex);
+  for (resend_t& answer : outbox.take_never_given()) send_resend(std::move(answer));
   for (std::size_t sent = 0; sent < kAnswerBytes;) {
     const auto message = outbox.take_requested();
     if (!message) return;

@@ -1,5 +1,7 @@
 #include "libs/bus/outbox.hpp"
 
+#include <algorithm>
+
 namespace fusion_slam {
 namespace {
 
@@ -20,11 +22,11 @@ void Outbox::sent(const std::string& name, const Bytes& bytes) {
   Channel& channel = channels_[name];
   ++channel.count;
   channel.bytes += static_cast<std::int64_t>(bytes.size());
-  channel.recent.push_back(bytes);
+  channel.recent.emplace_back(channel.count, bytes);
   channel.recent_bytes += bytes.size();
   while (channel.recent.size() > kRecentMessages ||
          (channel.recent_bytes > kRecentBytes && channel.recent.size() > 1)) {
-    channel.recent_bytes -= channel.recent.front().size();
+    channel.recent_bytes -= channel.recent.front().second.size();
     channel.recent.pop_front();
   }
 }
@@ -33,6 +35,13 @@ void Outbox::sent_tile(const std::string& channel, const TileKey& key, std::int6
                        const Bytes& bytes) {
   sent(channel, bytes);
   channels_[channel].tiles[key] = {revision, bytes};
+}
+
+void Outbox::skip_to(const std::string& name, std::int64_t last) {
+  Channel& channel = channels_[name];
+  if (last <= channel.count) return;
+  channel.never_given[last] = channel.count + 1;
+  channel.count = last;
 }
 
 void Outbox::forget(const std::string& name) {
@@ -64,20 +73,43 @@ const Outbox::Bytes* Outbox::find(const Wanted& wanted) const {
     const auto tile = channel.tiles.find(key);
     return tile == channel.tiles.end() ? nullptr : &tile->second.bytes;
   }
-  const std::int64_t oldest = channel.count - static_cast<std::int64_t>(channel.recent.size()) + 1;
-  if (seq < oldest || seq > channel.count) return nullptr;
-  return &channel.recent[static_cast<std::size_t>(seq - oldest)];
+  const auto at = std::lower_bound(channel.recent.begin(), channel.recent.end(), seq,
+                                   [](const auto& sent, std::int64_t n) { return sent.first < n; });
+  return at == channel.recent.end() || at->first != seq ? nullptr : &at->second;
 }
 
 void Outbox::request(const resend_t& request) {
   const auto note = [this](const Wanted& wanted) {
     if (find(wanted) != nullptr && is_wanted_.insert(wanted).second) wanted_.push_back(wanted);
   };
-  for (const std::int64_t seq : request.seqs)
-    if (seq > 0) note({request.channel, seq, TileKey{}});
+  const auto channel = channels_.find(request.channel);
+  if (channel == channels_.end()) return;
+  for (const std::int64_t seq : request.seqs) {
+    if (seq <= 0) continue;
+    const auto hole = channel->second.never_given.lower_bound(seq);
+    if (hole != channel->second.never_given.end() && seq >= hole->second)
+      never_given_[request.channel].insert(hole->first);
+    else
+      note({request.channel, seq, TileKey{}});
+  }
   for (std::size_t i = 0; i < request.submap_id.size(); ++i)
     note({request.channel, 0,
           TileKey{request.submap_id[i], request.x[i], request.y[i], request.z[i]}});
+}
+
+std::vector<resend_t> Outbox::take_never_given() {
+  std::vector<resend_t> result;
+  for (const auto& [name, ranges] : std::exchange(never_given_, {})) {
+    resend_t told{};
+    told.channel = name;
+    for (const std::int64_t last : ranges) {
+      told.seqs.push_back(-channels_[name].never_given.at(last));
+      told.seqs.push_back(-last);
+    }
+    told.n_seqs = static_cast<std::int32_t>(told.seqs.size());
+    result.push_back(std::move(told));
+  }
+  return result;
 }
 
 std::optional<std::pair<std::string, Outbox::Bytes>> Outbox::take_requested() {

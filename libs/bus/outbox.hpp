@@ -34,12 +34,19 @@ class Outbox {
   void forget(const std::string& channel);  // the latest messages; numbers and tiles stay
   std::vector<Bytes> tiles(const std::string& channel) const;  // the newest of each key
 
+  // Numbers up to and including `last` are not given to anything: the end of a journal is lost, and
+  // with it what had them. Nothing happens when `last` has been reached.
+  void skip_to(const std::string& channel, std::int64_t last);
+
   // Records a message that is never asked for again (STATUS and the like): counted, not kept.
   void sent_once(const std::string& channel, std::size_t size_bytes);
 
   // Notes what is asked for and is still here. What waits already is not noted twice: requests,
   // however many and whoever sends them, cost no more than what there is to send.
   void request(const resend_t& request);
+  // Numbers that were asked for since the last call and were never given, as RESEND says it: from
+  // and to as negative numbers.
+  std::vector<resend_t> take_never_given();
   // Takes the message that was noted first; nothing when none waits.
   std::optional<std::pair<std::string, Bytes>> take_requested();
 
@@ -57,7 +64,8 @@ class Outbox {
   struct Channel {
     std::int64_t count = 0;
     std::int64_t bytes = 0;
-    std::deque<Bytes> recent;  // the last of them has number `count`
+    std::deque<std::pair<std::int64_t, Bytes>> recent;  // by number
+    std::map<std::int64_t, std::int64_t> never_given;   // last -> first
     std::size_t recent_bytes = 0;
     std::map<TileKey, StoredTile> tiles;
   };
@@ -68,6 +76,7 @@ class Outbox {
   std::map<std::string, Channel> channels_;
   std::deque<Wanted> wanted_;
   std::set<Wanted> is_wanted_;
+  std::map<std::string, std::set<std::int64_t>> never_given_;  // asked for: last of each range
 };
 
 }  // namespace fusion_slam

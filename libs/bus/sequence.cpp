@@ -68,6 +68,11 @@ void SequenceTracker::expect(std::int64_t count, std::int64_t now_us) {
   highest_ = count;
 }
 
+void SequenceTracker::never_given(std::int64_t first, std::int64_t last) {
+  if (first > last) return;
+  missing_.erase(missing_.lower_bound(first), missing_.upper_bound(last));
+}
+
 std::vector<std::int64_t> SequenceTracker::missing(std::int64_t now_us, std::int64_t min_age_us,
                                                    std::size_t most) const {
   std::vector<std::int64_t> result;

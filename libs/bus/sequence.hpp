@@ -34,6 +34,9 @@ class SequenceTracker {
   // The publisher has sent `count` messages: those not seen are missing from now on.
   void expect(std::int64_t count, std::int64_t now_us);
 
+  // The publisher says that these numbers were never given: nobody waits for them.
+  void never_given(std::int64_t first, std::int64_t last);
+
   // Missing numbers whose gap is at least min_age_us old, lowest first, at most `most`.
   std::vector<std::int64_t> missing(std::int64_t now_us, std::int64_t min_age_us,
                                     std::size_t most) const;

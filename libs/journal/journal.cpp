@@ -78,13 +78,14 @@ JournalState read_journal(const std::filesystem::path& file,
   std::error_code problem;
   const auto size = std::filesystem::file_size(file, problem);
   if (problem) return state;
+  state.existed = true;
   const auto size_bytes = static_cast<std::int64_t>(size);
   std::ifstream in(file, std::ios::binary);
   LogEvent event;
   while (read_record(in, size_bytes - state.whole_bytes, &event) &&
          is_whole(event, state.n_records)) {
     event.offset_bytes = state.whole_bytes;
-    on_record(event);
+    if (on_record) on_record(event);
     ++state.n_records;
     state.whole_bytes += kLogHeaderBytes + static_cast<std::int64_t>(event.channel.size()) +
                          static_cast<std::int64_t>(event.data.size());
@@ -93,11 +94,14 @@ JournalState read_journal(const std::filesystem::path& file,
   return state;
 }
 
-Journal::Journal(const std::filesystem::path& file) : path_(file) {
+Journal::Journal(const std::filesystem::path& file,
+                 const std::function<void(const LogEvent&)>& on_record)
+    : path_(file) {
   const auto fail = [&](const std::string& why) {
     if (file_ >= 0) close(file_);
     throw std::runtime_error("journal " + path_.string() + ": " + why);
   };
+  const bool existed = access(path_.c_str(), F_OK) == 0;
   file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file_ < 0) fail(std::strerror(errno));
   if (flock(file_, LOCK_EX | LOCK_NB) != 0)
@@ -106,7 +110,8 @@ Journal::Journal(const std::filesystem::path& file) : path_(file) {
   const ssize_t n = pread(file_, head, sizeof head, 0);
   if (n == 4 && (head[0] != 0xED || head[1] != 0xA1 || head[2] != 0xDA || head[3] != 0x01))
     fail("this is no LCM log: give another folder");
-  state_ = read_journal(path_, [](const LogEvent&) {});
+  state_ = read_journal(path_, on_record);
+  state_.existed = existed;
   if (state_.cut_bytes > 0 && ftruncate(file_, state_.whole_bytes) != 0) fail(std::strerror(errno));
   lseek(file_, state_.whole_bytes, SEEK_SET);
 }

@@ -16,6 +16,7 @@ struct JournalState {
   std::int64_t n_records = 0;
   std::int64_t whole_bytes = 0;  // up to the end of the last whole record
   std::int64_t cut_bytes = 0;    // behind it: half a record, or damaged
+  bool existed = false;          // the file, before it was opened
 };
 
 // Hands over all whole records from the start up to the first that is not; nothing when there is no
@@ -28,8 +29,9 @@ class Journal {
  public:
   // Goes on behind the last whole record; what follows it (a crash's half record) is cut off.
   // Throws std::runtime_error naming the file when it can't be opened or belongs to something else,
-  // or another process writes it.
-  explicit Journal(const std::filesystem::path& file);
+  // or another process writes it. `on_record` is given all whole records.
+  explicit Journal(const std::filesystem::path& file,
+                   const std::function<void(const LogEvent&)>& on_record = {});
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;

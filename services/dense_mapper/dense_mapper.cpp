@@ -32,7 +32,9 @@ DenseMapper::DenseMapper(const CameraModel& camera, const RobotModel& robot,
 
 std::int64_t DenseMapper::submap_of(std::int64_t keyframe_id) const {
   const std::int64_t n = config_.keyframes_per_submap;
-  return keyframe_id < first_id_ ? 0 : (keyframe_id - first_id_) / n * n + first_id_;
+  // After a power cut ids go on at the beginning of a thousand: then a submap begins, too.
+  const std::int64_t first = std::max(first_id_, (keyframe_id - 1) / 1000 * 1000 + 1);
+  return keyframe_id < first_id_ ? 0 : (keyframe_id - first) / n * n + first;
 }
 
 SE3 DenseMapper::pose_of(std::int64_t keyframe_id) const {

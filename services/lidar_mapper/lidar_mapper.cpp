@@ -146,7 +146,7 @@ LidarNode LidarMapper::make_node(const ScanPoints& points, std::int64_t utime_us
                                  std::vector<Tile>& tiles) {
   const bool new_map = submaps_.empty();
   LidarNode node;
-  node.id = node_id_ + 1;
+  node.id = std::max(node_id_ + 1, first_id_);
   node.utime_us = utime_us;
   node.T_odom_base = T_odom_base_;
   node.previous_id = chain_begins_ ? 0 : node_id_;
@@ -199,8 +199,10 @@ void LidarMapper::reset() {
   nodes_since_publication_ = 0;
 }
 
-std::vector<Tile> LidarMapper::resume(const std::vector<LidarNode>& nodes) {
-  if (nodes.empty() || node_id_ != 0) return {};
+std::vector<Tile> LidarMapper::resume(const std::vector<LidarNode>& nodes, std::int64_t first_id) {
+  if (node_id_ != 0) return {};
+  first_id_ = first_id;
+  if (nodes.empty()) return {};
   const LidarNode& last = nodes.back();
   for (const ActiveSubmaps::Membership& active : last.submaps) {
     Submap submap(active.submap_id, last.T_odom_base * active.T_submap_base.inverse(),

@@ -81,8 +81,9 @@ class LidarMapper {
   // Goes on where an earlier process ended, before the first scan: its last nodes, oldest first, at
   // least nodes_to_resume() of them where there are as many. The active submaps are built again
   // from their scans; the next scan is looked for around the last node, as after a gap in the
-  // scans. Returns the active submaps' tiles.
-  std::vector<Tile> resume(const std::vector<LidarNode>& nodes);
+  // scans. Ids go on, from first_id on if that is larger (after a power cut, when nobody knows
+  // which ids were given last). Returns the active submaps' tiles.
+  std::vector<Tile> resume(const std::vector<LidarNode>& nodes, std::int64_t first_id = 1);
   static int nodes_to_resume(const LidarMapperConfig& config = {}) {
     return 2 * config.nodes_per_half_submap;
   }
@@ -113,8 +114,9 @@ class LidarMapper {
   PoseFilter filter_;
   std::int64_t last_fix_us_ = 0;
   int lost_in_a_row_ = 0;
-  std::int64_t node_id_ = 0;  // last node
-  bool chain_begins_ = true;  // the next node has none before it
+  std::int64_t node_id_ = 0;   // last node
+  std::int64_t first_id_ = 1;  // none is smaller from now on
+  bool chain_begins_ = true;   // the next node has none before it
   SE2 T_odom_node_;
   int nodes_since_publication_ = 0;
   MapperCounts counts_;

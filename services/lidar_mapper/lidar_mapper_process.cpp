@@ -92,7 +92,8 @@ std::optional<LidarNode> node_from(const lidar_node_t& m) {
 
 }  // namespace
 
-LidarMapperProcess::LidarMapperProcess(Bus& bus) : bus_(bus), submap_tiles_(bus, "SUBMAP") {
+LidarMapperProcess::LidarMapperProcess(Bus& bus)
+    : bus_(bus), ids_(bus), submap_tiles_(bus, "SUBMAP") {
   bus_.subscribe<robot_model_t>("ROBOT_MODEL", Policy::kLatestOnly,
                                 [this](const robot_model_t& m) { on_robot_model(m); });
   bus_.subscribe<bot_core::planar_lidar_t>(
@@ -113,6 +114,7 @@ LidarMapperProcess::LidarMapperProcess(Bus& bus) : bus_(bus), submap_tiles_(bus,
 void LidarMapperProcess::on_earlier_node(const lidar_node_t& message) {
   auto node = node_from(message);
   if (!node) return;
+  ids_.said(node->id);
   if (node->previous_id == 0) earlier_.clear();  // a map of its own
   earlier_.push_back(std::move(*node));
   while (earlier_.size() > static_cast<std::size_t>(LidarMapper::nodes_to_resume()))
@@ -126,7 +128,7 @@ void LidarMapperProcess::on_robot_model(const robot_model_t& message) {
   if (!robot) return bus_.report_error("ROBOT_MODEL is not usable: " + why);
   if (!robot->has_lidar) return bus_.set_state_text("this robot has no LiDAR");
   mapper_.emplace(*robot);
-  if (!earlier_.empty()) publish(mapper_->resume({earlier_.begin(), earlier_.end()}));
+  publish(mapper_->resume({earlier_.begin(), earlier_.end()}, ids_.next()));
   earlier_.clear();
   if (!waiting_.empty()) handle_scans(waiting_.back().utime_us);
   say_state();

@@ -12,6 +12,7 @@
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/journal_mark.hpp"
 #include "libs/bus/reset_gate.hpp"
 #include "libs/bus/tile_channel.hpp"
 #include "services/lidar_mapper/lidar_mapper.hpp"
@@ -39,6 +40,7 @@ class LidarMapperProcess {
 
   Bus& bus_;
   ResetGate reset_{"lidar_mapper"};
+  SourceIds ids_;  // of nodes, by the journal
   TilePublisher submap_tiles_;
   std::deque<LidarNode> earlier_;      // last nodes of an earlier process, by the journal
   std::optional<LidarMapper> mapper_;  // made when the first ROBOT_MODEL comes

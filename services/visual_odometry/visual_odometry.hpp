@@ -40,8 +40,9 @@ class VisualOdometry {
   void add_graph_node(std::int64_t keyframe_id, const SE3& T_map_base);
 
   // Goes on where an earlier process ended, before the first frame: its last keyframes of one
-  // segment, oldest first. Ids and the odometry frame go on.
-  void resume(const std::vector<Keyframe>& keyframes);
+  // segment, oldest first. The odometry frame goes on, and ids do, from first_id on if that is
+  // larger (after a power cut, when nobody knows which ids were given last).
+  void resume(const std::vector<Keyframe>& keyframes, std::int64_t first_id = 1);
 
   // Forgets the map; the next frame starts a new segment at the last pose.
   void reset();
@@ -103,6 +104,7 @@ class VisualOdometry {
   SE3 T_odom_camera_ = SE3::Identity();  // last pose
   std::int64_t reference_ = 0;           // keyframe that poses hang on; 0: none
   std::int64_t newest_ = 0;              // last keyframe's id
+  std::int64_t first_id_ = 1;            // none is smaller from now on
   int segment_ = 0;
   int n_segments_ = 0;                         // that are not joined
   std::map<std::int64_t, std::int64_t> open_;  // keyframes whose edge may still change: previous

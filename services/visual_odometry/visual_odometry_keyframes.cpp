@@ -49,7 +49,7 @@ void VisualOdometry::add_keyframe(std::vector<SeenLandmark> seen, bool connected
   }
   const SE3 T_camera_base = robot_.T_base_camera.inverse();
   Keyframe keyframe;
-  keyframe.id = newest_ + 1;
+  keyframe.id = std::max(newest_ + 1, first_id_);
   keyframe.utime_us = result->utime_us;
   keyframe.T_odom_base = T_odom_camera_ * T_camera_base;
   keyframe.covariance = result->covariance;

@@ -34,7 +34,7 @@ std::string state_text(const TrackingResult& result) {
 }  // namespace
 
 VisualOdometryProcess::VisualOdometryProcess(Bus& bus, VisualOdometryConfig config)
-    : bus_(bus), config_(std::move(config)) {
+    : bus_(bus), ids_(bus), config_(std::move(config)) {
   cv::setNumThreads(
       1);  // one frame has little to share out, and the other processes need the cores
   bus_.subscribe<camera_model_t>("CAMERA_MODEL", Policy::kLatestOnly,
@@ -62,6 +62,7 @@ void VisualOdometryProcess::on_earlier_keyframe(const keyframe_t& message) {
   std::optional<FeatureSet> features = features_from(message, &why);
   const std::optional<SE3> T_odom_base = from_message(message.T_odom_base);
   if (!features || !T_odom_base) return;
+  ids_.said(message.id);
   if (message.previous_id == 0) earlier_.clear();  // a segment of its own
   Keyframe keyframe;
   keyframe.id = message.id;
@@ -122,7 +123,7 @@ void VisualOdometryProcess::on_camera(const bot_core::images_t& message) {
     if (!camera_ || !robot_)
       return bus_.report_error("CAMERA ignored: no CAMERA_MODEL or ROBOT_MODEL yet");
     odometry_ = std::make_unique<VisualOdometry>(*camera_, *robot_, config_);
-    odometry_->resume({earlier_.begin(), earlier_.end()});
+    odometry_->resume({earlier_.begin(), earlier_.end()}, ids_.next());
     earlier_.clear();
   }
   std::string why;

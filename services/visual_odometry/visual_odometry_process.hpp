@@ -15,6 +15,7 @@
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/journal_mark.hpp"
 #include "libs/bus/reset_gate.hpp"
 #include "services/visual_odometry/visual_odometry.hpp"
 
@@ -41,6 +42,7 @@ class VisualOdometryProcess {
 
   Bus& bus_;
   ResetGate reset_{"visual_odometry"};
+  SourceIds ids_;  // of keyframes, by the journal
   VisualOdometryConfig config_;
   std::optional<CameraModel> camera_;
   std::optional<RobotModel> robot_;

@@ -1,4 +1,6 @@
 // VisualOdometry: going on where an earlier process ended.
+#include <algorithm>
+
 #include "services/visual_odometry/visual_odometry.hpp"
 
 namespace fusion_slam {
@@ -6,8 +8,10 @@ namespace fusion_slam {
 // The keyframes' features with depth make the map again; what bundle adjustment and triangulation
 // knew better comes back with the next keyframes. The first frame is then tracked or looked for as
 // after any gap.
-void VisualOdometry::resume(const std::vector<Keyframe>& keyframes) {
-  if (keyframes.empty() || newest_ != 0) return;
+void VisualOdometry::resume(const std::vector<Keyframe>& keyframes, std::int64_t first_id) {
+  if (newest_ != 0) return;
+  first_id_ = first_id;
+  if (keyframes.empty()) return;
   segment_ = n_segments_ = 1;
   std::map<std::int64_t, std::int64_t> became;  // landmarks: the earlier process's id -> ours
   for (const Keyframe& keyframe : keyframes) {
@@ -33,7 +37,7 @@ void VisualOdometry::resume(const std::vector<Keyframe>& keyframes) {
   const Keyframe& last = keyframes.back();
   newest_ = reference_ = last.id;
   for (const auto& [id, keyframe] : map_.keyframes())
-    if (id < newest_ - config_.trial_keyframes) places_.add(map_, id);
+    if (id < std::max(newest_, first_id_ - 1) - config_.trial_keyframes) places_.add(map_, id);
   T_odom_camera_ = last.T_odom_base * robot_.T_base_camera;
   motion_.restart(T_odom_camera_);
   last_utime_us_ = pose_utime_us_ = fix_utime_us_ = last.utime_us;

@@ -1,15 +1,20 @@
 // A listener that is killed and started again: from its journal, and by asking for what it missed.
 #include <filesystem>
+#include <mutex>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "fusion_slam/command_t.hpp"
 #include "fusion_slam/constraint_t.hpp"
+#include "fusion_slam/resend_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/bus/journal_mark.hpp"
 #include "libs/bus/tile_channel.hpp"
 #include "libs/bus/transport.hpp"
+#include "libs/journal/journal.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -191,6 +196,135 @@ TEST_F(BusJournal, TilesSaidAreOfferedAgainAndNewerOnesAreNewerWhateverTheClock)
   bus.run();
   EXPECT_THAT(revisions, testing::ElementsAre(before));
   EXPECT_GE(bus.first_revision(), before);
+}
+
+// A source whose ids are those of its messages, as visual_odometry's are.
+struct Source {
+  Source(const BusOptions& options, const std::shared_ptr<Transport>& network)
+      : bus(options, network), ids(bus) {
+    bus.keep_said<constraint_t>("CONSTRAINT", [this](const constraint_t& m) {
+      restored.push_back(m.from_id);
+      ids.said(m.from_id);
+    });
+    bus.stop();
+    bus.run();  // reads the journal, handles nothing
+  }
+  Bus bus;
+  SourceIds ids;
+  std::vector<std::int64_t> restored;
+};
+
+TEST_F(BusJournal, NoIdIsGivenTwiceWhereverTheJournalIsCut) {
+  BusOptions with_journal = options("source");
+  with_journal.journal = file_;
+  std::uintmax_t before_bytes = 0;
+  {
+    Source source(with_journal, network_);
+    EXPECT_EQ(source.ids.next(), 1);
+    for (int i = 1; i <= 4; ++i) {
+      before_bytes = fs::file_size(file_);
+      source.bus.publish("CONSTRAINT", constraint(i));
+    }
+  }
+  const fs::path whole = file_.string() + "_whole";
+  fs::copy_file(file_, whole, fs::copy_options::overwrite_existing);
+  const std::uintmax_t after_bytes = fs::file_size(file_);
+  ASSERT_GT(after_bytes, before_bytes + 100);
+  for (std::uintmax_t size = before_bytes + 1; size < after_bytes; size += 7) {
+    fs::copy_file(whole, file_, fs::copy_options::overwrite_existing);
+    fs::resize_file(file_, size);
+    {
+      Source source(with_journal, network_);
+      EXPECT_THAT(source.restored, testing::ElementsAre(1, 2, 3)) << size;
+      EXPECT_EQ(source.ids.next(), 1001) << size;
+      EXPECT_EQ(source.bus.published().at("CONSTRAINT"), 1000) << "4 was heard";
+    }
+    Source again(with_journal, network_);  // killed before it said anything
+    EXPECT_EQ(again.ids.next(), 1001) << size;
+    again.bus.publish("CONSTRAINT", constraint(1001));
+    EXPECT_EQ(again.bus.published().at("CONSTRAINT"), 1001);
+  }
+  {
+    Source killed(with_journal, network_);
+    EXPECT_THAT(killed.restored, testing::ElementsAre(1, 2, 3, 1001));
+    EXPECT_EQ(killed.ids.next(), 1002) << "all was there: ids go on";
+    EXPECT_EQ(killed.bus.published().at("CONSTRAINT"), 1001);
+  }
+  fs::resize_file(file_, 10);
+  EXPECT_EQ(Source(with_journal, network_).ids.next(), 1001) << "nothing is left";
+  fs::resize_file(file_, 0);
+  EXPECT_EQ(Source(with_journal, network_).ids.next(), 1001) << "nothing is left of the file";
+  fs::remove(whole);
+}
+
+TEST_F(BusJournal, AfterAMachineWasStartedAgainWholeRecordsMayBeLost) {
+  BusOptions with_journal = options("source");
+  with_journal.journal = file_;
+  {
+    command_t mark{};
+    mark.verb = kJournalOpened;
+    mark.argument = "another start of the machine";
+    constraint_t said = constraint(3);
+    said.seq = 3;
+    Journal journal(file_);
+    const auto append = [&](const char* channel, const auto& message) {
+      std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+      message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      ASSERT_TRUE(journal.append(1, channel, bytes.data(), bytes.size()));
+    };
+    append(kJournalMark, mark);
+    append("CONSTRAINT", said);
+  }
+  EXPECT_EQ(Source(with_journal, network_).ids.next(), 1001);
+  EXPECT_EQ(Source(with_journal, network_).ids.next(), 1001) << "of this start of the machine";
+}
+
+TEST_F(BusJournal, ListenersDontMissNumbersThatWereNeverGiven) {
+  BusOptions with_journal = options("source");
+  with_journal.journal = file_;
+  Bus listener(options("other"), network_);
+  std::vector<std::int64_t> heard;
+  listener.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll,
+                                   [&](const constraint_t& m) { heard.push_back(m.from_id); });
+  const auto hear = [&](std::size_t n) {
+    for (int i = 0; i < 12000 && heard.size() < n; ++i) listener.handle(10);
+  };
+  listener.handle(0);
+  {
+    Source source(with_journal, network_);
+    for (int i = 1; i <= 3; ++i) source.bus.publish("CONSTRAINT", constraint(i));
+    hear(3);
+  }
+  fs::resize_file(file_, fs::file_size(file_) - 5);
+  std::mutex mutex;
+  std::vector<std::int64_t> told;
+  listener.listen<resend_t>("RESEND", [&](const resend_t& m) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (!m.seqs.empty() && m.seqs[0] < 0) told = m.seqs;
+  });
+  const auto is_told = [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return !told.empty();
+  };
+  Bus speaker(with_journal, network_);
+  speaker.keep_said<constraint_t>("CONSTRAINT", [](const constraint_t&) {});
+  std::thread speaking([&] { speaker.run(); });
+  while (speaker.status().state != status_t::RUNNING)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  speaker.publish("CONSTRAINT", constraint(4));
+  hear(4);
+  resend_t request{};  // the listener asks, too, unless this machine stood still for 2 s
+  request.channel = "CONSTRAINT";
+  request.seqs = {4};
+  request.n_seqs = 1;
+  for (int i = 0; i < 1200 && !is_told(); ++i) {
+    listener.publish("RESEND", request);
+    listener.handle(100);
+  }
+  speaker.stop();
+  speaking.join();
+  EXPECT_THAT(heard, testing::ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(told, testing::ElementsAre(-3, -1000));
 }
 
 }  // namespace

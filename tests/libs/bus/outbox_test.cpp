@@ -28,6 +28,27 @@ TEST(Outbox, NumbersFromOneAndAnswersByNumber) {
   EXPECT_TRUE(answer(outbox, ask("B", {1})).empty());
 }
 
+TEST(Outbox, SaysOfNumbersThatWereNeverGivenFromWhereToWhere) {
+  Outbox outbox;
+  for (std::uint8_t i = 1; i <= 3; ++i) outbox.sent("A", {i});
+  outbox.skip_to("A", 2);  // reached already
+  EXPECT_EQ(outbox.next_seq("A"), 4);
+  outbox.skip_to("A", 1000);
+  EXPECT_EQ(outbox.next_seq("A"), 1001);
+  outbox.sent("A", {9});
+  EXPECT_EQ(answer(outbox, ask("A", {2, 4, 500, 1000, 1001})),
+            (std::vector<Outbox::Bytes>{{2}, {9}}));
+  const auto told = outbox.take_never_given();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].channel, "A");
+  EXPECT_EQ(told[0].seqs, (std::vector<std::int64_t>{-4, -1000}));
+  EXPECT_EQ(told[0].n_seqs, 2);
+  EXPECT_TRUE(outbox.take_never_given().empty());
+  outbox.request(told[0]);  // what others say of it is no request
+  EXPECT_FALSE(outbox.take_requested().has_value());
+  EXPECT_TRUE(outbox.take_never_given().empty());
+}
+
 TEST(Outbox, MemoryIsBounded) {
   Outbox outbox;
   for (int i = 0; i < 100; ++i) outbox.sent("A", Outbox::Bytes(1 << 20));

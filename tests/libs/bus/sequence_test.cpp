@@ -118,5 +118,15 @@ TEST(SequenceTracker, AfterARestartLowNumbersAreNewOnes) {
   EXPECT_TRUE(tracker.missing(100, 0, 10).empty());
 }
 
+TEST(Sequence, NobodyWaitsForWhatWasNeverGiven) {
+  SequenceTracker tracker(true);
+  tracker.see(1, 1, 0);
+  tracker.see(1001, 2, 0);
+  tracker.never_given(3, 1000);
+  tracker.never_given(9, 4);  // nonsense changes nothing
+  EXPECT_EQ(tracker.missing(100, 0, 10), std::vector<std::int64_t>{2});
+  EXPECT_EQ(tracker.give_up(100, 50), 1U) << "2 alone is lost";
+}
+
 }  // namespace
 }  // namespace fusion_slam
