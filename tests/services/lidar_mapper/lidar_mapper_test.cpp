@@ -76,6 +76,44 @@ TEST(LidarMapper, GoesOnFromItsNodesAfterAGap) {
   EXPECT_EQ(second.counts().restarts, 0);
 }
 
+// A power cut: the journal has lost the last node, which others know.
+TEST(LidarMapper, GivesNoIdTwiceWhenTheLastNodeIsForgotten) {
+  const RobotModel robot = test_robot();
+  LidarMapper first(robot);
+  Drive before = drive(first, robot, test_path, 60, 0.1, kNothing);
+  ASSERT_GE(before.nodes.size(), 3U);
+  before.nodes.pop_back();
+  const LidarNode& last = before.nodes.back();
+  LidarMapper second(robot);
+  second.resume(before.nodes, 1001);
+  const FlatWorld world;
+  std::mt19937 rng(2);
+  std::vector<LidarNode> nodes;
+  for (int i = 62; i < 90 && nodes.size() < 2; ++i) {
+    const double t = i * 0.1;
+    const auto utime_us = static_cast<std::int64_t>(t * 1e6) + 1'000'000;
+    const MapperOutput out =
+        second.add_scan(sweep(world, robot, test_path, t, utime_us, 0.01, rng));
+    if (!out.node) continue;
+    const SE2 truth = test_path(0.0).inverse() * test_path(t);
+    const SE2 hung = (nodes.empty() ? last : nodes.back()).T_odom_base * out.node->T_previous_base;
+    EXPECT_LT(std::hypot(hung.x - truth.x, hung.y - truth.y), 0.05);
+    nodes.push_back(*out.node);
+  }
+  ASSERT_EQ(nodes.size(), 2U);
+  EXPECT_EQ(nodes[0].id, 1001);
+  EXPECT_EQ(nodes[0].previous_id, last.id);
+  EXPECT_EQ(nodes[1].id, 1002);
+  EXPECT_EQ(nodes[1].previous_id, 1001);
+  LidarMapper third(robot);  // nothing is left
+  EXPECT_TRUE(third.resume({}, 1001).empty());
+  const MapperOutput out =
+      third.add_scan(sweep(world, robot, test_path, 0.0, 1'000'000, 0.01, rng));
+  ASSERT_TRUE(out.node);
+  EXPECT_EQ(out.node->id, 1001);
+  EXPECT_EQ(out.node->previous_id, 0);
+}
+
 TEST(LidarMapper, FollowsAPathWithScansAlone) {
   const RobotModel robot = test_robot();
   LidarMapper mapper(robot);

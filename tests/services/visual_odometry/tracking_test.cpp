@@ -57,6 +57,29 @@ TEST_F(Tracking, FollowsACameraAlongAWall) {
   EXPECT_LE(previous_id, 30);
 }
 
+// A power cut: the journal has lost the last keyframe, which others know.
+TEST_F(Tracking, GivesNoIdTwiceWhenTheLastKeyframeIsForgotten) {
+  std::vector<Keyframe> keyframes;
+  int step = 0;
+  for (; step < 60 && keyframes.size() < 4; ++step)
+    if (const TrackingResult result = show(step); result.keyframe)
+      keyframes.push_back(*result.keyframe);
+  ASSERT_EQ(keyframes.size(), 4U);
+  keyframes.pop_back();
+  odometry_ = VisualOdometry(camera_, robot_with(kMounting));
+  odometry_.resume(keyframes, 1001);
+  for (const int end = step + 40; step < end; ++step) {
+    const TrackingResult result = show(step);
+    if (!result.keyframe) continue;
+    EXPECT_EQ(result.keyframe->id, 1001);
+    EXPECT_EQ(result.keyframe->previous_id, 3);
+    const SE3 hung = keyframes.back().T_odom_base * result.keyframe->T_previous_base;
+    EXPECT_LT(local(truth(step), hung).norm(), 0.05);
+    return;
+  }
+  FAIL() << "no keyframe in 40 frames";
+}
+
 TEST_F(Tracking, StandingStillMakesNoKeyframes) {
   ASSERT_TRUE(show(0).keyframe);
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(show(0).keyframe);
