@@ -60,7 +60,11 @@ struct VisualOdometryConfig {
   int covisible_landmarks = 15;    // shared, to be neighbours at all
 
   // Local mapping. The adjustment takes about 100 ms; 6 frames are 200 ms.
-  int mapping_frames = 6;           // after these its result is taken up
+  // true: its result is taken up after mapping_frames or at the next keyframe, and tracking waits
+  // for it then: the frames alone decide, replays give the same bytes. false, on a robot: when it
+  // is there; tracking never waits.
+  bool wait_for_mapping = true;
+  int mapping_frames = 6;
   int bundle_keyframes = 8;         // that move
   int bundle_fixed_keyframes = 12;  // that hold them
   int bundle_iterations = 6;

@@ -12,13 +12,14 @@ void GraphRevision::forget(std::int64_t keyframe) {
   taken_.erase(keyframe);
 }
 
-int GraphRevision::take_up(std::int64_t reference, const SE3& T_base_camera,
-                           const VisualOdometryConfig& config, VisualMap* map) {
+Revised GraphRevision::take_up(std::int64_t reference, const SE3& T_base_camera,
+                               const VisualOdometryConfig& config, VisualMap* map) {
   if (!news_) {
     taken_.insert(said_.begin(), said_.end());
-    return 0;
+    return {};
   }
   news_ = false;
+  Revised revised;
   // Newer keyframes hang on this one: it is what stays where it is.
   auto here = taken_.upper_bound(reference);
   const MapKeyframe* anchor = nullptr;
@@ -42,10 +43,12 @@ int GraphRevision::take_up(std::int64_t reference, const SE3& T_base_camera,
   if (T_new_old.empty()) {
     taken_.insert(said_.begin(), said_.end());
   } else {
-    map->carry_landmarks(T_new_old);
+    revised.landmarks = map->carry_landmarks(T_new_old);
     taken_ = said_;
+    map->untie(T_new_old);
   }
-  return static_cast<int>(T_new_old.size());
+  for (const auto& [id, T] : T_new_old) revised.keyframes.push_back(id);
+  return revised;
 }
 
 }  // namespace fusion_slam

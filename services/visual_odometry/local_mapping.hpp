@@ -2,9 +2,12 @@
 // thread of its own.
 //
 // The thread works on a copy of the part of the map that the keyframe concerns. Tracking goes on
-// with the map as it was and takes the result up at a point that the frames alone decide
-// (VisualOdometry: after config.mapping_frames frames or before the next keyframe), so results
-// don't depend on how fast the thread was.
+// with the map as it was and takes the result up
+// - in a replay (config.wait_for_mapping) at a point that the frames alone decide: after
+//   config.mapping_frames frames or before the next keyframe, so that results don't depend on how
+//   fast the thread was;
+// - live when it is there. Keyframes that come while the thread works join the map at once and
+//   share the next job, which is that of the newest: however slow the thread, it is one job behind.
 #pragma once
 
 #include <chrono>
@@ -52,8 +55,7 @@ class LocalMapping {
       : camera_(camera), scales_(std::move(scale_of_octave)), config_(config) {}
 
   bool busy() const { return result_.valid(); }
-  // Whether finish() would return at once: for counting only, nothing may be decided by it. Only
-  // while busy().
+  // Whether finish() would return at once: in a replay for counting only. Only while busy().
   bool ready() const {
     return result_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }

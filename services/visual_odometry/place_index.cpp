@@ -26,6 +26,12 @@ void PlaceIndex::add(const VisualMap& map, std::int64_t keyframe) {
   }
 }
 
+void PlaceIndex::add_landmarks(const VisualMap& map, const std::vector<std::int64_t>& ids) {
+  for (const std::int64_t id : ids)
+    if (const Landmark* landmark = map.landmark(id))
+      index_.add(landmark->descriptor, static_cast<int>(id));
+}
+
 std::vector<std::int64_t> PlaceIndex::similar(const VisualMap& map, const FeatureSet& set,
                                               int except_segment, std::size_t most) const {
   std::map<std::int64_t, int> votes;

@@ -19,6 +19,8 @@ class PlaceIndex {
 
   // Remembers the landmarks born at this keyframe that have lasted until now. Each keyframe once.
   void add(const VisualMap& map, std::int64_t keyframe);
+  // Also these landmarks. Each once.
+  void add_landmarks(const VisualMap& map, const std::vector<std::int64_t>& ids);
 
   // The keyframes of the map that see most of the landmarks that the features resemble, best
   // first, at most `most`, no two of them neighbours in time.

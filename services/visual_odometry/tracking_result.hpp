@@ -48,6 +48,7 @@ struct TrackingResult {
 struct VisualOdometryCounts {
   int mappings = 0;
   int mapping_waits = 0;  // of these: not done when their result was due, so that tracking waited
+  int mappings_late = 0;  // keyframes that found the thread at work, and wait for the next job
   int triangulated = 0;
   int fused = 0;
   int observations_refused = 0;  // by bundle adjustment

@@ -90,58 +90,6 @@ void VisualMap::merge(std::int64_t from_id, std::int64_t to_id) {
   merged_.emplace_back(from_id, to_id);
 }
 
-void VisualMap::carry_landmarks(const std::map<std::int64_t, SE3>& T_new_old_of_keyframe) {
-  for (auto& [id, landmark] : landmarks_) {
-    const auto carried = T_new_old_of_keyframe.find(landmark.observations.front().keyframe);
-    if (carried == T_new_old_of_keyframe.end()) continue;
-    landmark.p_odom = carried->second * landmark.p_odom;
-    landmark.viewed_from = carried->second.linear() * landmark.viewed_from;
-  }
-}
-
-void VisualMap::join_segment(int from, int to, const SE3& T_to_from) {
-  std::map<std::int64_t, SE3> moved;
-  for (auto& [id, keyframe] : keyframes_) {
-    if (keyframe.segment != from) continue;
-    keyframe.segment = to;
-    keyframe.T_odom_camera = T_to_from * keyframe.T_odom_camera;
-    moved.emplace(id, T_to_from);
-  }
-  carry_landmarks(moved);
-}
-
-VisualMap VisualMap::copy_part(const std::vector<std::int64_t>& ids,
-                               const std::vector<std::int64_t>& seen_by) const {
-  VisualMap part;
-  part.next_landmark_ = next_landmark_;
-  for (const std::int64_t id : ids)
-    if (const MapKeyframe* known = keyframe(id)) part.keyframes_.emplace(id, *known);
-  for (const std::int64_t id : seen_by)
-    if (const MapKeyframe* known = keyframe(id))
-      for (const std::int64_t seen : known->landmark_of_feature)
-        if (seen != 0) part.landmarks_.emplace(seen, landmarks_.at(seen));
-  return part;
-}
-
-void VisualMap::put_back(const VisualMap& before, const VisualMap& after) {
-  for (const auto& [from, to] : after.merged_) merge(from, to);
-  for (const auto& [id, was] : before.landmarks_)
-    if (after.landmark(id) == nullptr) erase_landmark(id);
-  for (const auto& [id, was] : before.keyframes_)
-    if (after.keyframe(id) == nullptr) erase_keyframe(id);
-  for (const auto& [id, now] : after.keyframes_) keyframes_.insert_or_assign(id, now);
-  for (const auto& [id, now] : after.landmarks_) {
-    Landmark& here = landmarks_[id];
-    const int visible = std::max(here.visible, now.visible);
-    const int found = std::max(here.found, now.found);
-    here = now;
-    here.visible = visible;
-    here.found = found;
-  }
-  next_landmark_ = std::max(next_landmark_, after.next_landmark_);
-  merged_.clear();
-}
-
 void renew_look(const FeatureSet& set, int feature, const SE3& T_odom_camera, double scale,
                 Landmark* landmark) {
   const Eigen::Vector3d to_camera = T_odom_camera.translation() - landmark->p_odom;

@@ -45,6 +45,7 @@ struct MapKeyframe {
   std::shared_ptr<const FeatureSet> features;
   std::vector<std::int64_t> landmark_of_feature;  // 0: none
   SurfaceTie tie;
+  std::int64_t previous = 0;  // keyframe that it was tracked from; 0: none
 };
 
 // Every link is known at both ends: a landmark's observation and the keyframe's feature. A part
@@ -75,11 +76,19 @@ class VisualMap {
   // All that `from` was seen as becomes `to`, where no keyframe would see `to` twice; `from` goes.
   void merge(std::int64_t from, std::int64_t to);
 
-  // Moves the landmarks that were first seen by these keyframes: T_new_old of each, in odom.
-  void carry_landmarks(const std::map<std::int64_t, SE3>& T_new_old_of_keyframe);
+  // Landmarks follow keyframes whose poses have just been moved by T_new_old, in odom. A landmark
+  // goes, or stays, with the newest keyframe that sees it: what is seen now stays with what is now.
+  // Keyframes for which it would then lie elsewhere keep a copy, where they saw it, so that neither
+  // side loses anything and no observation holds the two together. Returns the copies' ids.
+  std::vector<std::int64_t> carry_landmarks(
+      const std::map<std::int64_t, SE3>& T_new_old_of_keyframe);
+
+  // Surfaces no longer tie keyframes of which one has been moved and the other not.
+  void untie(const std::map<std::int64_t, SE3>& moved);
 
   // Keyframes and landmarks of segment `from` become part of segment `to`; T_to_from moves them.
-  void join_segment(int from, int to, const SE3& T_to_from);
+  // Returns as carry_landmarks().
+  std::vector<std::int64_t> join_segment(int from, int to, const SE3& T_to_from);
 
   // The keyframes of `ids` and every landmark that those of `seen_by` see. New landmarks of the
   // part get ids that this map has not given yet.
@@ -87,6 +96,9 @@ class VisualMap {
                       const std::vector<std::int64_t>& seen_by) const;
   // Puts an improved part back: `before` is the part as it was copied. What of it was erased is
   // erased here, what was merged is merged here too, counts (visible, found) made since are kept.
+  // Keyframes that came since the copy keep what they see and go where the
+  // keyframe goes that they hang on (`previous`), their own landmarks with them. No other keyframe
+  // may have been moved or erased here since the copy.
   void put_back(const VisualMap& before, const VisualMap& after);
 
   // Pairs (from, to) of merge(), in order, since this value was copied.
@@ -96,6 +108,11 @@ class VisualMap {
   Keyframes keyframes_;
   Landmarks landmarks_;
   std::int64_t next_landmark_ = 1;
+  std::int64_t newest_at_copy_ = 0;  // of a part: the newest keyframe that the whole had then
+  // Of the observers of one landmark, those that don't go with the newest get a copy.
+  void carry_landmark(std::int64_t id, const std::map<std::int64_t, SE3>& T_new_old_of_keyframe,
+                      std::vector<std::int64_t>* copies);
+  void move_newer(const VisualMap& before, const VisualMap& after);
   std::vector<std::pair<std::int64_t, std::int64_t>> merged_;
 };
 

@@ -89,6 +89,7 @@ TrackingResult VisualOdometry::place(const RgbdFrame& frame) {
 
 void VisualOdometry::reset() {
   if (mapping_.busy()) finish_mapping();
+  mapped_ = newest_;
   map_ = {};
   local_.clear();
   places_ = {};
@@ -144,12 +145,26 @@ FeatureSet VisualOdometry::see(const RgbdFrame& frame) {
 // The points where other threads and processes meet tracking: between two frames only.
 void VisualOdometry::take_up_news() {
   ++frames_since_keyframe_;
-  if (mapping_.busy() && frames_since_keyframe_ >= config_.mapping_frames) finish_mapping();
+  const auto due = [&] {
+    return config_.wait_for_mapping ? frames_since_keyframe_ >= config_.mapping_frames
+                                    : mapping_.ready();
+  };
+  if (mapping_.busy() && due()) finish_mapping();
   if (mapping_.busy()) return;
-  const int moved = revision_.take_up(newest_, robot_.T_base_camera, config_, &map_);
-  if (moved == 0) return;
-  counts_.revised_keyframes += moved;
-  renew_local_map();
+  if (follow_graph()) renew_local_map();
+  if (newest_ > mapped_) start_mapping();
+}
+
+// The map is to itself: the mapping thread has no copy of it.
+bool VisualOdometry::follow_graph() {
+  const Revised revised = revision_.take_up(newest_, robot_.T_base_camera, config_, &map_);
+  if (revised.keyframes.empty()) return false;
+  counts_.revised_keyframes += static_cast<int>(revised.keyframes.size());
+  places_.add_landmarks(map_, revised.landmarks);
+  for (const std::int64_t id : revised.keyframes)  // the graph's answer is no measurement for it
+    for (auto edge = open_.begin(); edge != open_.end();)
+      edge = edge->second == id ? open_.erase(edge) : std::next(edge);
+  return true;
 }
 
 std::map<std::int64_t, std::int64_t> VisualOdometry::finish_mapping() {
@@ -234,7 +249,7 @@ std::optional<PoseEstimate> VisualOdometry::carry_on(std::int64_t utime_us, cons
 
 // Without any guess: the last places, and those of the whole map that look alike.
 std::optional<PoseEstimate> VisualOdometry::find_again(const FeatureSet& set) {
-  if (mapping_.busy()) finish_mapping();
+  if (mapping_.busy() && config_.wait_for_mapping) finish_mapping();
   std::vector<std::int64_t> candidates{newest_};
   for (const std::int64_t id : places_.similar(map_, set, kNoSegment, config_.reloc_candidates))
     if (id != newest_) candidates.push_back(id);
@@ -318,7 +333,7 @@ TrackingResult VisualOdometry::lost(std::int64_t utime_us, const std::string& wh
 }
 
 TrackingResult VisualOdometry::start_segment(std::int64_t utime_us, FeatureSet set) {
-  if (mapping_.busy()) finish_mapping();
+  if (mapping_.busy() && config_.wait_for_mapping) finish_mapping();
   const bool first = newest_ == 0;
   TrackingResult result;
   result.utime_us = utime_us;

@@ -1,5 +1,6 @@
 // Where an RGB-D camera has moved, frame by frame, with keyframes for the pose graph. Knows no bus.
-// Not thread-safe; has one thread of its own (local_mapping.hpp), of which results don't depend.
+// Not thread-safe; has one thread of its own (local_mapping.hpp), on which results don't depend when
+// config.wait_for_mapping.
 #pragma once
 
 #include <cstdint>
@@ -54,6 +55,8 @@ class VisualOdometry {
   std::string refuse(const RgbdFrame& frame) const;  // why not; empty: good
   FeatureSet see(const RgbdFrame& frame);
   void take_up_news();
+  bool follow_graph();
+  void start_mapping();
   std::map<std::int64_t, std::int64_t> finish_mapping();  // landmarks that became others
   void renew_local_map();
   struct Guess {
@@ -77,7 +80,7 @@ class VisualOdometry {
   bool wants_keyframe(const PoseEstimate& estimate, const FeatureSet& set);
   void add_keyframe(std::vector<SeenLandmark> seen, bool connected, FeatureSet set,
                     TrackingResult* result);
-  void join_segments(const FeatureSet& set);
+  void join_segments();
   std::vector<RefinedEdge> settled_edges();
   void fill_pose(const SE3& T_odom_camera, TrackingResult* result) const;
   SE3 T_odom_reference() const;
@@ -105,6 +108,7 @@ class VisualOdometry {
   std::int64_t reference_ = 0;           // keyframe that poses hang on; 0: none
   std::int64_t newest_ = 0;              // last keyframe's id
   std::int64_t first_id_ = 1;            // none is smaller from now on
+  std::int64_t mapped_ = 0;              // the last that local mapping was started for
   int segment_ = 0;
   int n_segments_ = 0;                         // that are not joined
   std::map<std::int64_t, std::int64_t> open_;  // keyframes whose edge may still change: previous

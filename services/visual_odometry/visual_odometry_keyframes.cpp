@@ -41,7 +41,7 @@ std::vector<SeenLandmark> VisualOdometry::landmarks_in(const PoseEstimate& estim
 
 void VisualOdometry::add_keyframe(std::vector<SeenLandmark> seen, bool connected, FeatureSet set,
                                   TrackingResult* result) {
-  if (mapping_.busy()) {
+  if (mapping_.busy() && config_.wait_for_mapping) {
     const std::map<std::int64_t, std::int64_t> became = finish_mapping();
     for (SeenLandmark& s : seen)
       for (auto it = became.find(s.landmark); it != became.end(); it = became.find(s.landmark))
@@ -69,15 +69,28 @@ void VisualOdometry::add_keyframe(std::vector<SeenLandmark> seen, bool connected
   in_map.T_odom_camera = T_odom_camera_;
   in_map.features = std::make_shared<const FeatureSet>(set);
   in_map.tie = tie;
+  in_map.previous = keyframe.previous_id;
   insert_keyframe(std::move(in_map), camera_, seen, scales_, config_.pixel_sigma, &map_);
   keyframe.landmark_of_feature = map_.keyframe(newest_)->landmark_of_feature;
   keyframe.refined = settled_edges();
-  if (n_segments_ > 1) join_segments(set);
+  if (mapping_.busy()) {  // this keyframe's turn comes when the thread is done
+    ++counts_.mappings_late;
+    renew_local_map();
+  } else {
+    follow_graph();
+    start_mapping();
+  }
   places_.add(map_, newest_ - config_.trial_keyframes - 1);
-  renew_local_map();
-  if (config_.bundle_keyframes > 0) mapping_.start(make_mapping_job(map_, newest_, config_));
   keyframe.features = std::move(set);
   result->keyframe = std::move(keyframe);
+}
+
+// Everything that needs the map to itself, before the thread gets its copy for the newest keyframe.
+void VisualOdometry::start_mapping() {
+  mapped_ = newest_;
+  if (n_segments_ > 1) join_segments();
+  renew_local_map();
+  if (config_.bundle_keyframes > 0) mapping_.start(make_mapping_job(map_, newest_, config_));
 }
 
 // What the surfaces of this frame and of the reference keyframe say of the motion between the two.
@@ -94,13 +107,17 @@ SurfaceTie VisualOdometry::tie_to_reference() const {
 }
 
 // A place of another segment in sight: from now on both are one, as seen from here.
-void VisualOdometry::join_segments(const FeatureSet& set) {
+void VisualOdometry::join_segments() {
+  const SE3 T_odom_newest = map_.keyframe(newest_)->T_odom_camera;
+  const FeatureSet& set = *map_.keyframe(newest_)->features;
   const auto candidates = places_.similar(map_, set, segment_, config_.reloc_candidates);
   const auto found =
       relocalise(map_, candidates, camera_, set, scales_, config_.join_inliers, config_);
   if (!found) return;
   const int other = map_.keyframe(found->keyframe)->segment;
-  map_.join_segment(other, segment_, T_odom_camera_ * found->estimate.T_odom_camera.inverse());
+  places_.add_landmarks(
+      map_, map_.join_segment(other, segment_,
+                              T_odom_newest * found->estimate.T_odom_camera.inverse()));
   --n_segments_;
   ++counts_.joins;
 }

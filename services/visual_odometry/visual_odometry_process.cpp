@@ -35,6 +35,7 @@ std::string state_text(const TrackingResult& result) {
 
 VisualOdometryProcess::VisualOdometryProcess(Bus& bus, VisualOdometryConfig config)
     : bus_(bus), ids_(bus), config_(std::move(config)) {
+  config_.wait_for_mapping = bus.mode() != Mode::kLive;  // a replay has no clock to keep
   cv::setNumThreads(
       1);  // one frame has little to share out, and the other processes need the cores
   bus_.subscribe<camera_model_t>("CAMERA_MODEL", Policy::kLatestOnly,

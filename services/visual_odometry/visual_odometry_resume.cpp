@@ -24,6 +24,7 @@ void VisualOdometry::resume(const std::vector<Keyframe>& keyframes, std::int64_t
     in_map.id = keyframe.id;
     in_map.segment = segment_;
     in_map.T_odom_camera = keyframe.T_odom_base * robot_.T_base_camera;
+    in_map.previous = keyframe.previous_id;
     in_map.features = std::make_shared<const FeatureSet>(keyframe.features);
     insert_keyframe(std::move(in_map), camera_, seen, scales_, config_.pixel_sigma, &map_);
     const std::vector<std::int64_t>& ours = map_.keyframe(keyframe.id)->landmark_of_feature;
@@ -35,7 +36,7 @@ void VisualOdometry::resume(const std::vector<Keyframe>& keyframes, std::int64_t
       open_.emplace(keyframe.id, keyframe.previous_id);
   }
   const Keyframe& last = keyframes.back();
-  newest_ = reference_ = last.id;
+  newest_ = reference_ = mapped_ = last.id;
   for (const auto& [id, keyframe] : map_.keyframes())
     if (id < std::max(newest_, first_id_ - 1) - config_.trial_keyframes) places_.add(map_, id);
   T_odom_camera_ = last.T_odom_base * robot_.T_base_camera;

@@ -195,9 +195,11 @@ void print(const Run& run, const std::string& name, const Scores& live, const Sc
       "CPU ms a frame (tracking thread): mean %.1f median %.1f p95 %.1f p99 %.1f max %.1f\n",
       mean_ms, quantile(run.cpu_ms, 0.5), quantile(run.cpu_ms, 0.95), quantile(run.cpu_ms, 0.99),
       quantile(run.cpu_ms, 1.0));
-  std::printf("waits for local mapping: %zu of %d results; ms: median %.1f p95 %.1f max %.1f\n",
-              run.wait_ms.size(), c.mappings, quantile(run.wait_ms, 0.5),
-              quantile(run.wait_ms, 0.95), quantile(run.wait_ms, 1.0));
+  std::printf(
+      "waits for local mapping: %zu of %d results; ms: median %.1f p95 %.1f max %.1f; %d keyframes "
+      "came while it was at work\n",
+      run.wait_ms.size(), c.mappings, quantile(run.wait_ms, 0.5), quantile(run.wait_ms, 0.95),
+      quantile(run.wait_ms, 1.0), c.mappings_late);
   std::printf("live poses: APE %.4f (max %.4f), RPE/frame %.4f, RPE/m %.4f m %.3f deg\n",
               live.ape_m, live.ape_max_m, live.frame_m, live.metre_m, live.metre_deg);
   std::printf(
@@ -253,6 +255,8 @@ int bench(int argc, char** argv) {
   app.add_option("--picture", run.picture, "a keyframe with its features and matches");
   app.add_option("--picture-of", run.picture_of, "which keyframe");
   app.add_flag("--paced", paced, "at the camera's own rate");
+  app.add_flag("!--no-wait", config.wait_for_mapping,
+               "as on a robot: local mapping's result is taken when it is there");
   app.add_flag("!--no-lidar-depth", config.use_lidar_depth);
   app.add_flag("!--no-lidar-motion", config.use_lidar_motion);
   app.add_flag("!--no-surfaces", config.use_surfaces);

@@ -1,6 +1,7 @@
 // What must hold over time: flat memory while standing, the same result at any speed of the mapping
 // thread, segments that find each other again.
 #include <chrono>
+#include <map>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -175,6 +176,49 @@ TEST(LongRun, ASecondSegmentJoinsTheOldMapLaterWithoutAJump) {
     EXPECT_EQ(keyframe.segment, map.keyframes().rbegin()->second.segment) << id;
   const SE3 T_first_now = map.keyframe(1)->T_odom_camera.inverse() * result.T_odom_base;
   EXPECT_LT(local(at(-2.4).inverse() * at(x_m), T_first_now).norm(), 0.05);
+}
+
+// A closure bends what is old; the robot, in odom, doesn't notice.
+TEST(LongRun, ARevisionOfTheGraphMovesOldKeyframesAndNotThePose) {
+  const CameraModel camera = small_camera();
+  const RenderedWall wall;
+  VisualOdometryConfig config = small_config();
+  config.redundant_share = 2.0;  // no culling: the old keyframes are still there
+  VisualOdometry odometry(camera, robot_with(SE3::Identity()), config);
+  std::map<std::int64_t, SE3> T_odom_base;
+  TrackingResult result;
+  int step = 0;
+  for (; step < 200 && T_odom_base.size() < 16; ++step) {
+    result = odometry.track(wall.see(camera, walk(step), (step + 1) * kFrame_us));
+    if (result.keyframe) T_odom_base[result.keyframe->id] = result.keyframe->T_odom_base;
+  }
+  ASSERT_EQ(T_odom_base.size(), 16U);
+  const SE3 T_map_odom = from_xyz_rpy(2.0, 1.0, 0.0, 0.0, 0.0, 0.5);
+  const auto say = [&](const SE3& bend) {
+    for (const auto& [id, T] : T_odom_base)
+      odometry.add_graph_node(id, T_map_odom * (id <= 3 ? bend : SE3::Identity()) * T);
+  };
+  say(SE3::Identity());
+  std::int64_t n = step;
+  const auto show = [&](int from, int to) {
+    const SE3 T_before = result.T_odom_base;
+    result = odometry.track(wall.see(camera, walk(to), (++n + 1) * kFrame_us));
+    EXPECT_EQ(result.state, TrackingState::kOk) << to << " " << result.reason;
+    const SE3 T_truth = walk(from).inverse() * walk(to);
+    const Vector6d off = local(T_truth, T_before.inverse() * result.T_odom_base);
+    EXPECT_LT(off.head<3>().norm(), 0.01) << to;
+    EXPECT_LT(off.tail<3>().norm(), 0.01) << to;
+  };
+  // Standing: no keyframe comes, the thread's result is taken up, then the news.
+  const auto stand = [&] {
+    for (int i = 0; i < 8; ++i) show(step - 1, step - 1);
+  };
+  stand();
+  EXPECT_EQ(odometry.counts().revised_keyframes, 0);
+  say(from_xyz_rpy(0.3, 0.2, 0.1, 0.0, 0.0, 0.1));
+  stand();
+  for (int i = 0; i < 5; ++i, ++step) show(step - 1, step);
+  EXPECT_GT(odometry.counts().revised_keyframes, 0);
 }
 
 }  // namespace
