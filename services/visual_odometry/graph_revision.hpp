@@ -28,8 +28,8 @@ class GraphRevision {
   // they are, and every landmark stays with the newest keyframe that sees it
   // (VisualMap::carry_landmarks): nothing that the camera can be tracked by has moved, so its pose
   // in odom does not change. Observations and surface ties do not reach across the tear.
-  Revised take_up(std::int64_t reference, const SE3& T_base_camera, const VisualOdometryConfig& config,
-                  VisualMap* map);
+  Revised take_up(std::int64_t reference, const SE3& T_base_camera,
+                  const VisualOdometryConfig& config, VisualMap* map);
 
   // Of this keyframe, nothing is known any more (it was forgotten).
   void forget(std::int64_t keyframe);

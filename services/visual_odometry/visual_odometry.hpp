@@ -1,6 +1,6 @@
 // Where an RGB-D camera has moved, frame by frame, with keyframes for the pose graph. Knows no bus.
-// Not thread-safe; has one thread of its own (local_mapping.hpp), on which results don't depend when
-// config.wait_for_mapping.
+// Not thread-safe; has one thread of its own (local_mapping.hpp), on which results don't depend
+// when config.wait_for_mapping.
 #pragma once
 
 #include <cstdint>

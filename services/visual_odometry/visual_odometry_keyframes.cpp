@@ -116,8 +116,8 @@ void VisualOdometry::join_segments() {
   if (!found) return;
   const int other = map_.keyframe(found->keyframe)->segment;
   places_.add_landmarks(
-      map_, map_.join_segment(other, segment_,
-                              T_odom_newest * found->estimate.T_odom_camera.inverse()));
+      map_,
+      map_.join_segment(other, segment_, T_odom_newest * found->estimate.T_odom_camera.inverse()));
   --n_segments_;
   ++counts_.joins;
 }

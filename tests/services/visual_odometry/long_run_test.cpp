@@ -8,28 +8,10 @@
 
 #include "services/visual_odometry/visual_odometry.hpp"
 #include "tests/services/visual_odometry/rendered_wall.hpp"
+#include "tests/services/visual_odometry/small_camera.hpp"
 
 namespace fusion_slam {
 namespace {
-
-constexpr std::int64_t kFrame_us = 33'333;
-
-CameraModel small_camera() {
-  CameraModel camera;
-  camera.width_px = 200;
-  camera.height_px = 150;
-  camera.fx_px = camera.fy_px = 165.0;
-  camera.cx_px = 99.5;
-  camera.cy_px = 74.5;
-  return camera;
-}
-
-VisualOdometryConfig small_config() {
-  VisualOdometryConfig config;
-  config.orb.n_features = 150;
-  config.orb.n_levels = 4;
-  return config;
-}
 
 TEST(LongRun, StandingAddsNothing) {
   const CameraModel camera = small_camera();
@@ -128,8 +110,10 @@ TEST(LongRun, SegmentsJoinWhenAKnownPlaceComesIntoSight) {
     return odometry.track(wall.see(camera, walk(step), ++n * kFrame_us));
   };
   for (int step = 0; step < 30; ++step) show(known, step);
+  show(known, 30);  // what local mapping gave is taken up
   TrackingResult result;
   for (int i = 0; i < 20 && !result.keyframe; ++i) result = show(unknown, 30);
+  const VisualMap before = odometry.map();
   ASSERT_TRUE(result.keyframe);
   EXPECT_EQ(result.keyframe->previous_id, 0);  // a new segment
   result = show(known, 20);                    // lost again, but this place is known
@@ -139,6 +123,14 @@ TEST(LongRun, SegmentsJoinWhenAKnownPlaceComesIntoSight) {
   EXPECT_EQ(odometry.map().keyframe(result.keyframe->previous_id)->segment, 1);
   EXPECT_EQ(odometry.counts().relocalisations, 1);
   EXPECT_LT(local(walk(0).inverse() * walk(20), result.T_odom_base).norm(), 0.03);
+  // Nothing earlier is lost, and it stays so: each keyframe of both segments is where it was.
+  for (int step = 21; step < 27; ++step) EXPECT_EQ(show(known, step).state, TrackingState::kOk);
+  for (const auto& [id, keyframe] : before.keyframes()) {
+    const MapKeyframe* now = odometry.map().keyframe(id);
+    ASSERT_NE(now, nullptr) << id;
+    EXPECT_EQ(now->segment, keyframe.segment) << id;
+    EXPECT_LT(local(keyframe.T_odom_camera, now->T_odom_camera).norm(), 0.01) << id;
+  }
 }
 
 // The camera goes somewhere else unseen, a second segment begins there, and it walks back.
