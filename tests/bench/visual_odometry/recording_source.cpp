@@ -10,6 +10,8 @@
 #include "bot_core/planar_lidar_t.hpp"
 #include "bot_core/pose_t.hpp"
 #include "fusion_slam/camera_model_t.hpp"
+#include "fusion_slam/graph_node_t.hpp"
+#include "fusion_slam/graph_t.hpp"
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/camera_messages/images.hpp"
@@ -64,10 +66,30 @@ std::map<std::int64_t, SE3> read_lidar_poses(const std::string& path) {
   return poses;
 }
 
+std::multimap<std::int64_t, graph_t> read_graph(const std::string& path) {
+  std::multimap<std::int64_t, graph_t> revisions;
+  if (path.empty()) return revisions;
+  LogReader reader(path);
+  LogEvent event;
+  while (reader.next(&event))
+    if (event.channel == "GRAPH")
+      if (auto message = decoded<graph_t>(event))
+        revisions.emplace(message->utime, std::move(*message));
+  return revisions;
+}
+
+void tell(const graph_t& graph, const BenchListener& listener) {
+  for (const graph_node_t& node : graph.nodes)
+    if (node.kind == graph_node_t::KEYFRAME)
+      if (const auto T = from_message(node.T_map_base)) listener.graph_node(node.id, *T);
+}
+
 Trajectory play_log(const std::string& path, const std::string& lidar_poses,
-                    const BenchListener& listener) {
+                    const std::string& graph, const BenchListener& listener) {
   const std::map<std::int64_t, SE3> lidar = read_lidar_poses(lidar_poses);
   auto next_lidar = lidar.begin();
+  const std::multimap<std::int64_t, graph_t> revisions = read_graph(graph);
+  auto next_revision = revisions.begin();
   LogReader reader(path);
   LogEvent event;
   std::string why;
@@ -100,6 +122,9 @@ Trajectory play_log(const std::string& path, const std::string& lidar_poses,
       if (!frame) continue;
       for (; next_lidar != lidar.end() && next_lidar->first < frame->utime_us; ++next_lidar)
         listener.lidar_pose(next_lidar->first, next_lidar->second);
+      for (; next_revision != revisions.end() && next_revision->first < frame->utime_us;
+           ++next_revision)
+        tell(next_revision->second, listener);
       listener.frame(*frame);
     }
   }
@@ -110,9 +135,9 @@ Trajectory play_log(const std::string& path, const std::string& lidar_poses,
 }  // namespace
 
 Trajectory play_recording(const std::string& path, const std::string& lidar_poses,
-                          const BenchListener& listener) {
+                          const std::string& graph, const BenchListener& listener) {
   return std::filesystem::is_directory(path) ? play_directory(path, listener)
-                                             : play_log(path, lidar_poses, listener);
+                                             : play_log(path, lidar_poses, graph, listener);
 }
 
 }  // namespace fusion_slam

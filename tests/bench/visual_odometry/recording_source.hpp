@@ -19,12 +19,14 @@ struct BenchListener {
   std::function<void(const LaserScan&)> scan;
   std::function<void(std::int64_t utime_us, const SE3& T_odom_base)> lidar_pose;
   std::function<void(std::int64_t utime_us, const SE3& T_odom_base)> odometry;  // wheels
+  std::function<void(std::int64_t keyframe, const SE3& T_map_base)> graph_node;
 };
 
 // Plays the recording in order of time and returns its reference: T_world of the robot's reference
-// frame. `lidar_poses`: a log that holds LIDAR_POSE of the same drive (session.lcmlog of a run);
-// may be empty. Throws std::runtime_error with the path when it can't be read.
+// frame. `lidar_poses`, `graph`: logs that hold LIDAR_POSE, and GRAPH, of the same drive
+// (session.lcmlog of a run); may be empty. Throws std::runtime_error with the path when it can't be
+// read.
 Trajectory play_recording(const std::string& path, const std::string& lidar_poses,
-                          const BenchListener& listener);
+                          const std::string& graph, const BenchListener& listener);
 
 }  // namespace fusion_slam

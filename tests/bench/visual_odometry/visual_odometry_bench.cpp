@@ -86,6 +86,7 @@ void track(const RgbdFrame& frame, bool verbose, Run* run) {
   const auto wall = std::chrono::steady_clock::now();
   const double cpu = thread_cpu_ms();
   const int waits = run->odometry->counts().mapping_waits;
+  const int revised = run->odometry->counts().revised_keyframes;
   const TrackingResult result = run->odometry->track(frame);
   run->cpu_ms.push_back(thread_cpu_ms() - cpu);
   run->wall_ms.push_back(
@@ -107,6 +108,9 @@ void track(const RgbdFrame& frame, bool verbose, Run* run) {
                 (frame.utime_us - run->first_us) * 1e-6, static_cast<int>(result.state),
                 result.n_matched, static_cast<long long>(result.reference_id),
                 result.keyframe ? "NEW " : "", result.reason.c_str());
+  if (verbose && run->odometry->counts().revised_keyframes > revised)
+    std::printf("%d keyframes moved by the graph\n",
+                run->odometry->counts().revised_keyframes - revised);
   if (!result.keyframe) return;
   ++run->keyframes;
   const Keyframe& k = *result.keyframe;
@@ -185,10 +189,10 @@ void print(const Run& run, const std::string& name, const Scores& live, const Sc
   std::printf(
       "mapping: %d jobs, %d triangulated, %d fused, %d observations refused, %d landmarks "
       "and %d keyframes culled; %d relocalisations, %d joins, %lld LiDAR depths, %lld LiDAR "
-      "guesses, %d frames carried by surfaces\n",
+      "guesses, %d frames carried by surfaces, %d keyframes moved by the graph\n",
       c.mappings, c.triangulated, c.fused, c.observations_refused, c.landmarks_culled,
       c.keyframes_culled, c.relocalisations, c.joins, static_cast<long long>(c.lidar_depths),
-      static_cast<long long>(c.lidar_guesses), c.carried_frames);
+      static_cast<long long>(c.lidar_guesses), c.carried_frames, c.revised_keyframes);
   const double mean_ms = std::accumulate(run.cpu_ms.begin(), run.cpu_ms.end(), 0.0) /
                          static_cast<double>(std::max<std::size_t>(1, run.cpu_ms.size()));
   std::printf(
@@ -234,7 +238,7 @@ void stand(double minutes, double hz, Run* run) {
 
 int bench(int argc, char** argv) {
   CLI::App app{"Visual odometry on a recording: a directory of RGB-D images or an LCM log"};
-  std::string path, out, live_out, reference_out, lidar_poses, name;
+  std::string path, out, live_out, reference_out, lidar_poses, graph, name;
   bool verbose = false;
   bool paced = false;
   bool lidar_mapper = false;
@@ -247,6 +251,7 @@ int bench(int argc, char** argv) {
   app.add_option("--live", live_out, "poses as they were said, TUM format");
   app.add_option("--reference", reference_out, "also write the reference, TUM format");
   app.add_option("--lidar-poses", lidar_poses, "a log with LIDAR_POSE of the same drive");
+  app.add_option("--graph", graph, "a log with GRAPH of the same drive, which is followed");
   app.add_flag("--lidar-mapper", lidar_mapper, "LIDAR_POSE by the LiDAR mapper, beside");
   app.add_option("--stand", stand_minutes, "then stand still for so many minutes of stamps");
   app.add_option("--stand-hz", stand_hz, "frames a second while standing");
@@ -310,7 +315,10 @@ int bench(int argc, char** argv) {
   listener.lidar_pose = [&](std::int64_t utime_us, const SE3& T) {
     run.odometry->add_lidar_pose(utime_us, T);
   };
-  const Trajectory reference = play_recording(path, lidar_poses, listener);
+  listener.graph_node = [&](std::int64_t keyframe, const SE3& T) {
+    run.odometry->add_graph_node(keyframe, T);
+  };
+  const Trajectory reference = play_recording(path, lidar_poses, graph, listener);
   const Trajectory last = final_trajectory(run);
   if (!out.empty()) write_tum(out, last);
   if (!live_out.empty()) write_tum(live_out, live_trajectory(run));
