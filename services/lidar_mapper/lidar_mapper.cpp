@@ -49,8 +49,16 @@ MapperOutput LidarMapper::add_scan(const LaserScan& scan) {
   counts_.doubtful_stamps += interval.trusted || node_id_ == 0 ? 0 : 1;
   last_scan_ = scan;
   if (!usable && node_id_ == 0) return out;
+  blind_ = blind_ || (prediction.blind && node_id_ != 0 && !resumed_);
+  resumed_ = false;
+  const bool new_segment = blind_ && usable;
+  if (new_segment) begin_segment(out.tiles);
 
-  const ScanMatch match = place(points, usable, prediction);
+  ScanMatch match = place(points, usable, prediction);
+  if (new_segment) {
+    match.state = MatchState::kLost;
+    match.reason = "after a silence of all sensors: a new segment begins";
+  }
   accept(match, prediction, interval);
   if (usable && lost_in_a_row_ >= config_.lost_scans_to_restart) {
     append(out.tiles, submaps_.finish_all());
@@ -73,6 +81,19 @@ bool LidarMapper::is_duplicate(const LaserScan& scan) const {
   const auto& b = last_scan_.ranges_m;
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
+// After a silence in which the robot may have gone further than any search reaches, a match would
+// be a guess that the graph takes for a measurement. The scan begins a map and a chain of its own,
+// which wheels, the camera or closures tie to the old one.
+void LidarMapper::begin_segment(std::vector<Tile>& tiles) {
+  append(tiles, submaps_.finish_all());
+  pyramid_.reset();
+  predictor_.forget_velocity();
+  chain_begins_ = true;
+  blind_ = false;
+  lost_in_a_row_ = 0;
+  ++counts_.segments;
 }
 
 ScanMatch LidarMapper::place(const ScanPoints& points, bool usable, const Prediction& prediction) {
@@ -195,6 +216,7 @@ void LidarMapper::reset() {
   pyramid_.reset();
   filter_.reset();
   chain_begins_ = true;
+  blind_ = false;
   lost_in_a_row_ = 0;
   nodes_since_publication_ = 0;
 }
@@ -221,6 +243,7 @@ std::vector<Tile> LidarMapper::resume(const std::vector<LidarNode>& nodes, std::
   T_odom_node_ = T_odom_base_ = last.T_odom_base;
   last_fix_us_ = last_scan_.utime_us = last.utime_us;
   clock_.advance(last.utime_us);
+  resumed_ = true;
   filter_.clone();
   return tiles;
 }

@@ -62,6 +62,7 @@ struct MapperCounts {
   std::int64_t lost = 0;
   std::int64_t nodes = 0;
   std::int64_t restarts = 0;  // of the map after being lost
+  std::int64_t segments = 0;  // begun after a silence: nothing ties them to the one before
 };
 
 class LidarMapper {
@@ -96,6 +97,7 @@ class LidarMapper {
 
  private:
   bool is_duplicate(const LaserScan& scan) const;
+  void begin_segment(std::vector<Tile>& tiles);
   ScanMatch place(const ScanPoints& points, bool usable, const Prediction& prediction);
   void accept(const ScanMatch& match, const Prediction& prediction,
               const ScanClock::Interval& interval);
@@ -114,6 +116,8 @@ class LidarMapper {
   PoseFilter filter_;
   std::int64_t last_fix_us_ = 0;
   int lost_in_a_row_ = 0;
+  bool blind_ = false;         // the next scan that can be used begins a segment
+  bool resumed_ = false;       // and no scan came since
   std::int64_t node_id_ = 0;   // last node
   std::int64_t first_id_ = 1;  // none is smaller from now on
   bool chain_begins_ = true;   // the next node has none before it

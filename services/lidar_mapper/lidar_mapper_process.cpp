@@ -210,8 +210,9 @@ void LidarMapperProcess::say_state() {
   const MapperCounts& c = mapper_->counts();
   bus_.set_state_text(std::to_string(c.scans) + " scans, " + std::to_string(c.nodes) + " nodes, " +
                       std::to_string(c.weak) + " weak, " + std::to_string(c.lost) + " lost, " +
-                      std::to_string(c.restarts) + " restarts, " + std::to_string(c.duplicates) +
-                      " repeated, " + std::to_string(c.doubtful_stamps) + " doubtful stamps, " +
+                      std::to_string(c.restarts) + " restarts, " + std::to_string(c.segments) +
+                      " segments after silence, " + std::to_string(c.duplicates) + " repeated, " +
+                      std::to_string(c.doubtful_stamps) + " doubtful stamps, " +
                       std::to_string(c.unusable) + " too empty");
 }
 

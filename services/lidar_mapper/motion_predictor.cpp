@@ -6,7 +6,8 @@
 namespace fusion_slam {
 namespace {
 
-constexpr std::size_t kRememberedPoses = 512;  // seconds of any odometry
+constexpr std::size_t kRememberedPoses = 512;       // seconds of any odometry
+constexpr std::int64_t kRememberedUs = 60'000'000;  // and as long: scans may fail for a while
 constexpr std::int64_t kLongestGapUs = 1'000'000;
 constexpr std::int64_t kBackwardsUs = 1'000'000;  // further back than this is a new recording
 constexpr int kVelocityIntervals =
@@ -33,7 +34,8 @@ void MotionSource::add(std::int64_t utime_us, const SE2& T_odom_base) {
       return;  // repeated or late: the newer one knows better
   }
   poses_.push_back({utime_us, T_odom_base});
-  if (poses_.size() > kRememberedPoses) poses_.pop_front();
+  while (poses_.size() > kRememberedPoses && utime_us - poses_.front().utime_us > kRememberedUs)
+    poses_.pop_front();
 }
 
 std::optional<SE2> MotionSource::pose_at(std::int64_t utime_us, double max_extrapolation_s) const {
@@ -112,6 +114,7 @@ Prediction MotionPredictor::predict(std::int64_t last_us, std::int64_t now_us,
     p.sigma_m = std::max(config_.speed_change_mps * dt, resolution_m);
     p.sigma_rad = std::max(config_.turn_change_radps * dt, 0.03);
   }
+  p.blind = kWindowSigmas * p.sigma_m > config_.max_window_m;
   const Eigen::Vector2d scale = trust(p.source);
   p.window_m = kWindowSigmas * p.sigma_m * std::max(1.0, scale.x());
   p.window_rad = kWindowSigmas * p.sigma_rad * std::max(1.0, scale.y());

@@ -51,6 +51,9 @@ struct Prediction {
   // Of (x, y, yaw) in base axes at the end of the motion.
   Eigen::Matrix3d covariance() const;
   PredictionSource source = PredictionSource::kNone;
+  // The robot may be further away than the widest search reaches: a match there would prove
+  // nothing.
+  bool blind = false;
 };
 
 class MotionPredictor {

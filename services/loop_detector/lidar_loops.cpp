@@ -124,9 +124,10 @@ std::vector<LoopDetector::Target> LoopDetector::targets(const LoopScan& scan) co
   std::vector<Target> found;
   std::optional<GraphUncertainty::Paths> paths;
   for (const auto& [id, submap] : submaps_.all()) {
-    if (submap.tiles.empty() || submap.members.empty() ||
-        scan.id - submap.members.back().node_id < config.min_node_gap)
-      continue;
+    if (submap.tiles.empty() || submap.members.empty()) continue;
+    // The mapper's own business, unless its chain broke since.
+    const bool same_chain = id >= chain_begins_at_;
+    if (same_chain && scan.id - submap.members.back().node_id < config.min_node_gap) continue;
     const NodeId anchor{NodeKind::kLidar, id};
     const auto T_map_anchor = graph_.T_map_base(anchor);
     const auto T_map_node = graph_.T_map_base(node);

@@ -1,10 +1,25 @@
 #include "services/loop_detector/loop_detector.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <utility>
 
 namespace fusion_slam {
+namespace {
+
+std::string describe(const GeometryCheck& check, bool fits, bool precise) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%d matches, %d agree on one motion", check.n_matches,
+                check.n_inliers);
+  std::string all = text;
+  if (!fits) return all;
+  std::snprintf(text, sizeof text, ", known to %.3f m and %.2f degrees%s", check.sigma_m,
+                check.sigma_rad * 180.0 / M_PI, precise ? "" : ": vague");
+  return all + text;
+}
+
+}  // namespace
 
 LoopDetector::LoopDetector(const RobotModel& robot, const LoopDetectorConfig& config)
     : robot_(robot),
@@ -34,12 +49,7 @@ std::vector<LoopCandidate> LoopDetector::add(LoopKeyframe keyframe) {
 
 std::vector<LoopCandidate> LoopDetector::add(const LoopScan& scan) {
   if (scan.id <= last_scan_) return {};
-  last_scan_ = scan.id;
-  ++counts_.scans;
-  graph_.add(scan);
-  submaps_.add_scan(scan);
-  scans_[scan.id] = scan.points_base;
-  if (scans_.size() > config_.latest_scans) scans_.erase(scans_.begin());
+  keep(scan);
   std::vector<LoopCandidate> decided = consistency_.expired(scan.utime_us, false);
   if (due(scan))
     for (const Target& target : targets(scan))
@@ -57,7 +67,11 @@ void LoopDetector::remember(LoopKeyframe keyframe) {
 }
 
 void LoopDetector::remember(const LoopScan& scan) {
-  if (scan.id <= last_scan_) return;
+  if (scan.id > last_scan_) keep(scan);
+}
+
+void LoopDetector::keep(const LoopScan& scan) {
+  if (scan.previous_id == 0) chain_begins_at_ = scan.id;
   last_scan_ = scan.id;
   ++counts_.scans;
   graph_.add(scan);
@@ -87,10 +101,10 @@ std::vector<LoopCandidate> LoopDetector::examine(const PlaceIndex::Place& place,
   const GeometryCheck check =
       check_geometry(*camera_, older.features, keyframe.features, config_.geometry);
   const bool fits = check.n_inliers >= config_.geometry.min_inliers;
+  const bool precise = is_precise(check, config_.geometry);
   candidate.stages.push_back({"geometry", static_cast<double>(check.n_inliers),
                               static_cast<double>(config_.geometry.min_inliers), fits,
-                              std::to_string(check.n_matches) + " matches, " +
-                                  std::to_string(check.n_inliers) + " agree on one motion"});
+                              describe(check, fits, precise)});
   if (!fits) return weigh(std::move(candidate), 0);
 
   LoopMeasurement visual;
@@ -106,6 +120,13 @@ std::vector<LoopCandidate> LoopDetector::examine(const PlaceIndex::Place& place,
   LidarOpinion opinion = LidarOpinion::kNothing;
   candidate.stages.push_back(verify_by_lidar(older, keyframe, &candidate, &opinion));
   if (opinion == LidarOpinion::kNowhere) return weigh(std::move(candidate), 0);
+  if (!precise) {  // the camera says which place, the scan where in it
+    candidate.measurements.erase(candidate.measurements.begin());
+    if (opinion != LidarOpinion::kFits) {
+      candidate.stages.back().reason += ", and the camera's answer is too vague";
+      return weigh(std::move(candidate), 0);
+    }
+  }
   const ConsistencyConfig& need = config_.consistency;
   if (opinion == LidarOpinion::kFits) {
     candidate.source = LoopSource::kBoth;

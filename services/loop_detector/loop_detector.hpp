@@ -71,6 +71,7 @@ class LoopDetector {
   StageVerdict verify_by_lidar(const LoopKeyframe& older, const LoopKeyframe& newer,
                                LoopCandidate* candidate, LidarOpinion* opinion);
   std::vector<Target> targets(const LoopScan& scan) const;
+  void keep(const LoopScan& scan);
   bool due(const LoopScan& scan);
   std::vector<LoopCandidate> search(const LoopScan& scan, const Target& target);
   std::vector<LoopCandidate> weigh(LoopCandidate candidate, int alike);
@@ -86,6 +87,7 @@ class LoopDetector {
   std::map<std::int64_t, LoopKeyframe> keyframes_;
   std::map<std::int64_t, Points> scans_;  // points of the latest scans, for verification
   std::int64_t last_scan_ = 0;
+  std::int64_t chain_begins_at_ = 0;    // the scan since which each knows the one before
   std::optional<SE3> T_odom_searched_;  // where the LiDAR searched last
   LoopCounts counts_;
 };
