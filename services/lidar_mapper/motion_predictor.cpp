@@ -15,6 +15,7 @@ constexpr int kVelocityIntervals =
 constexpr double kVelocitySpanS = 0.12;
 
 constexpr double kWindowSigmas = 3.0;
+constexpr double kBlindSigmas = 2.0;  // that the widest search must cover: 3 s without any sensor
 constexpr double kContradiction = 0.5;  // of the distance between two predictions: a sigma
 constexpr double kLearningRate = 0.04;  // a few seconds
 constexpr double kSmallestVariance =
@@ -114,7 +115,7 @@ Prediction MotionPredictor::predict(std::int64_t last_us, std::int64_t now_us,
     p.sigma_m = std::max(config_.speed_change_mps * dt, resolution_m);
     p.sigma_rad = std::max(config_.turn_change_radps * dt, 0.03);
   }
-  p.blind = kWindowSigmas * p.sigma_m > config_.max_window_m;
+  p.blind = kBlindSigmas * p.sigma_m > config_.max_window_m;
   const Eigen::Vector2d scale = trust(p.source);
   p.window_m = kWindowSigmas * p.sigma_m * std::max(1.0, scale.x());
   p.window_rad = kWindowSigmas * p.sigma_rad * std::max(1.0, scale.y());

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -39,12 +40,22 @@ Matrix6d full_covariance(const Eigen::Matrix3d& planar, const LidarCheckConfig& 
   return full;
 }
 
+// The camera's answer where a scan has told where in the place it was: its pose with what both
+// know, so that its features lie right; its covariance as before, for the scan is an edge of its
+// own and may not count twice.
+void draw_to(const SE3& T_by_scan, const Matrix6d& by_scan, LoopMeasurement* visual) {
+  const Matrix6d both = visual->covariance + by_scan;
+  const Vector6d step = local(visual->T_from_to, T_by_scan);
+  visual->T_from_to = retract(visual->T_from_to, visual->covariance * both.ldlt().solve(step));
+}
+
 }  // namespace
 
 // The scan of the newer keyframe's time in the submap of the older one's: it must fit, and at the
 // place where the camera says.
 StageVerdict LoopDetector::verify_by_lidar(const LoopKeyframe& older, const LoopKeyframe& newer,
-                                           LoopCandidate* candidate, LidarOpinion* opinion) {
+                                           bool vague, LoopCandidate* candidate,
+                                           LidarOpinion* opinion) {
   *opinion = LidarOpinion::kNothing;
   const LidarCheckConfig& config = config_.lidar;
   StageVerdict verdict{"lidar", 0.0, config.min_agreement, false, ""};
@@ -75,12 +86,12 @@ StageVerdict LoopDetector::verify_by_lidar(const LoopKeyframe& older, const Loop
     if (check.opinion != LidarOpinion::kFits) return verdict;
 
     const SE2 error = to_se2(T_submap_now).inverse() * check.T_submap_base;
-    Eigen::Matrix3d both =
-        check.covariance +
-        planar_part(chained_covariance(visual.covariance, T_newer_now, Matrix6d::Zero()));
-    both.diagonal() +=
+    Eigen::Matrix3d by_scan = check.covariance;
+    by_scan.diagonal() +=
         Eigen::Vector3d(std::pow(config_.tie_sigma_m, 2), std::pow(config_.tie_sigma_m, 2),
                         std::pow(config_.tie_sigma_rad, 2));
+    const Eigen::Matrix3d both =
+        by_scan + planar_part(chained_covariance(visual.covariance, T_newer_now, Matrix6d::Zero()));
     const Eigen::Vector3d e(error.x, error.y, error.yaw);
     const double apart = e.dot(both.ldlt().solve(e));
     char text[160];
@@ -93,12 +104,22 @@ StageVerdict LoopDetector::verify_by_lidar(const LoopKeyframe& older, const Loop
       return verdict;
     }
     verdict.passed = true;
+    if (vague) {
+      const SE3 T_by_scan =
+          T_then_older.inverse() *
+          SE3(in.T_submap_base.inverse() * to_se3(check.T_submap_base) * T_newer_now.inverse());
+      const Matrix6d covariance = chained_covariance(full_covariance(by_scan, config, false),
+                                                     T_newer_now.inverse(), Matrix6d::Zero());
+      draw_to(T_by_scan, covariance, &candidate->measurements.front());
+    }
     candidate->measurements.push_back({{NodeKind::kLidar, in.submap_id},
                                        *scan_now,
                                        to_se3(check.T_submap_base),
                                        full_covariance(check.covariance, config, robot_.planar),
                                        {},
                                        "lidar loop"});
+    // What stage 4 weighs is the one that knows.
+    if (vague) std::swap(candidate->measurements.front(), candidate->measurements.back());
     return verdict;
   }
   verdict.reason = "no submap of that place came";

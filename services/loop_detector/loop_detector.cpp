@@ -118,14 +118,11 @@ std::vector<LoopCandidate> LoopDetector::examine(const PlaceIndex::Place& place,
   candidate.measurements.push_back(visual);
 
   LidarOpinion opinion = LidarOpinion::kNothing;
-  candidate.stages.push_back(verify_by_lidar(older, keyframe, &candidate, &opinion));
+  candidate.stages.push_back(verify_by_lidar(older, keyframe, !precise, &candidate, &opinion));
   if (opinion == LidarOpinion::kNowhere) return weigh(std::move(candidate), 0);
-  if (!precise) {  // the camera says which place, the scan where in it
-    candidate.measurements.erase(candidate.measurements.begin());
-    if (opinion != LidarOpinion::kFits) {
-      candidate.stages.back().reason += ", and the camera's answer is too vague";
-      return weigh(std::move(candidate), 0);
-    }
+  if (!precise && opinion != LidarOpinion::kFits) {
+    candidate.stages.back().reason += ", and the camera's answer is too vague";
+    return weigh(std::move(candidate), 0);
   }
   const ConsistencyConfig& need = config_.consistency;
   if (opinion == LidarOpinion::kFits) {

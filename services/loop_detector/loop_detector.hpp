@@ -68,7 +68,7 @@ class LoopDetector {
   };
 
   std::vector<LoopCandidate> examine(const PlaceIndex::Place& place, const LoopKeyframe& keyframe);
-  StageVerdict verify_by_lidar(const LoopKeyframe& older, const LoopKeyframe& newer,
+  StageVerdict verify_by_lidar(const LoopKeyframe& older, const LoopKeyframe& newer, bool vague,
                                LoopCandidate* candidate, LidarOpinion* opinion);
   std::vector<Target> targets(const LoopScan& scan) const;
   void keep(const LoopScan& scan);

@@ -111,6 +111,83 @@ TEST(LidarMapper, GivesNoIdTwiceWhenTheLastNodeIsForgotten) {
       third.add_scan(sweep(world, robot, test_path, 0.0, 1'000'000, 0.01, rng));
   ASSERT_TRUE(out.node);
   EXPECT_EQ(out.node->id, 1001);
+}
+
+// The robot drives for `silent_s` seconds of which the mapper hears no scan, then for 5 s more.
+Drive drive_with_silence(LidarMapper& mapper, double silent_s, bool with_wheels) {
+  const RobotModel robot = test_robot();
+  const FlatWorld world;
+  std::mt19937 rng(3);
+  Drive result;
+  for (int i = 0; i < 100 + static_cast<int>(10 * silent_s); ++i) {
+    const double t = 0.1 * i;
+    const auto utime_us = static_cast<std::int64_t>(t * 1e6) + 1'000'000;
+    if (with_wheels) mapper.add_odometry(utime_us, test_path(t));
+    if (t > 5.0 && t < 5.0 + silent_s) continue;
+    const MapperOutput out =
+        mapper.add_scan(sweep(world, robot, test_path, t, utime_us, 0.01, rng));
+    if (out.pose) result.poses.push_back(*out.pose);
+    if (out.node) result.nodes.push_back(*out.node);
+  }
+  return result;
+}
+
+// After 12 s of silence the robot may be anywhere: no match with what was near is worth an edge.
+TEST(LidarMapper, ALongSilenceBeginsASegment) {
+  LidarMapper mapper(test_robot());
+  const Drive result = drive_with_silence(mapper, 12.0, false);
+  EXPECT_EQ(mapper.counts().segments, 1);
+  EXPECT_EQ(mapper.counts().lost, 1);
+  int beginnings = 0;
+  for (const LidarNode& node : result.nodes) {
+    EXPECT_TRUE(node.previous_id == 0 || node.previous_id == node.id - 1);
+    if (node.previous_id != 0 || node.id == 1) continue;
+    ++beginnings;
+    EXPECT_GE(node.utime_us, 18'000'000);
+    ASSERT_EQ(node.submaps.size(), 1U);
+    EXPECT_EQ(node.submaps[0].submap_id, node.id) << "a map of its own";
+  }
+  EXPECT_EQ(beginnings, 1);
+  for (const LidarPose& pose : result.poses)
+    if (pose.state == MatchState::kLost) {
+      EXPECT_NEAR(static_cast<double>(pose.utime_us), 18e6, 0.11e6);
+      EXPECT_NE(pose.reason.find("silence"), std::string::npos);
+    }
+  EXPECT_EQ(result.poses.back().state, MatchState::kOk);
+}
+
+TEST(LidarMapper, AShortSilenceOrWheelsKeepTheChain) {
+  LidarMapper short_silence(test_robot()), wheels(test_robot());
+  const Drive one = drive_with_silence(short_silence, 1.0, false);
+  const Drive two = drive_with_silence(wheels, 12.0, true);
+  EXPECT_EQ(short_silence.counts().segments, 0);
+  EXPECT_EQ(wheels.counts().segments, 0);
+  for (const Drive* d : {&one, &two})
+    for (const LidarNode& node : d->nodes) EXPECT_EQ(node.previous_id, node.id - 1);
+  const SE2 truth = test_path(0.0).inverse() * test_path(21.9);
+  EXPECT_LT(std::hypot(two.poses.back().T_odom_base.x - truth.x,
+                       two.poses.back().T_odom_base.y - truth.y),
+            0.05);
+}
+
+// Scans after the silence that show nothing change nothing of how long it was.
+TEST(LidarMapper, EmptyScansDoNotEndASilence) {
+  LidarMapper mapper(test_robot());
+  const FlatWorld world;
+  std::mt19937 rng(4);
+  const auto still = [](double) { return SE2{}; };
+  for (int i = 0; i < 10; ++i)
+    mapper.add_scan(sweep(world, test_robot(), still, 0.0, 100'000 * (i + 1), 0.01, rng));
+  LaserScan empty;
+  empty.rad0 = -3.0;
+  empty.radstep = 0.1;
+  empty.ranges_m.assign(60, 0.0F);
+  for (int i = 0; i < 3; ++i) {
+    empty.utime_us = 10'000'000 + 100'000 * i;
+    EXPECT_FALSE(mapper.add_scan(empty).node);
+  }
+  const auto out = mapper.add_scan(sweep(world, test_robot(), still, 0.0, 10'300'000, 0.01, rng));
+  ASSERT_TRUE(out.node);
   EXPECT_EQ(out.node->previous_id, 0);
 }
 
