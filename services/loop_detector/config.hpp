@@ -38,6 +38,8 @@ struct LidarSearchConfig {  // closures that the LiDAR finds by itself
   double max_window_m = 8.0;
   double min_window_rad = 0.1;
   double max_window_rad = 1.2;
+  // Where no edge leads: any heading, the widest window, and no rival in so many submaps.
+  std::size_t most_rival_submaps = 32;
   double near_m = 3.0;        // from a place where the submap was made, beyond the window
   double same_place_m = 1.0;  // window within which one match is enough
   int loops_alike = 3;        // loops that must agree with each other, beyond that

@@ -171,6 +171,12 @@ std::vector<LoopDetector::Target> LoopDetector::targets(const LoopScan& scan) co
     target.capped = window_m > config.max_window_m || window_rad > config.max_window_rad;
     target.window_m = std::clamp(window_m, config.min_window_m, config.max_window_m);
     target.window_rad = std::clamp(window_rad, config.min_window_rad, config.max_window_rad);
+    target.connected = known->connected;
+    if (!target.connected) {
+      target.window_m = config.max_window_m;
+      target.window_rad = M_PI;
+      target.capped = true;
+    }
     if (target.distance_m <= config.near_m + target.window_m) found.push_back(target);
   }
   std::stable_sort(found.begin(), found.end(),
@@ -185,8 +191,15 @@ std::vector<LoopCandidate> LoopDetector::search(const LoopScan& scan, const Targ
   if (submap == nullptr) return {};
   ++counts_.lidar_searches;
   const SearchWindow window{target.window_m, target.window_rad, 0.05};
-  const LidarCheck check =
+  LidarCheck check =
       check_scan(*submap, scan.points_base, to_se2(target.T_submap_base), window, config_.lidar);
+  if (!target.connected && check.opinion == LidarOpinion::kFits) {
+    const std::string rival = rival_elsewhere(scan, target, check.T_submap_base);
+    if (!rival.empty()) {
+      check.opinion = LidarOpinion::kNothing;
+      check.reason = rival;
+    }
+  }
   if (check.opinion == LidarOpinion::kNowhere || check.score < config_.lidar.min_agreement)
     return {};  // it is somewhere else: no idea to report
 

@@ -64,6 +64,7 @@ class LoopDetector {
     double window_m = 0.0;
     double window_rad = 0.0;
     bool capped = false;  // the graph knows less than the largest window
+    bool connected = true;
     SE3 T_submap_base = SE3::Identity();
   };
 
@@ -74,6 +75,7 @@ class LoopDetector {
   void keep(const LoopScan& scan);
   bool due(const LoopScan& scan);
   std::vector<LoopCandidate> search(const LoopScan& scan, const Target& target);
+  std::string rival_elsewhere(const LoopScan& scan, const Target& target, const SE2& T_submap_base);
   std::vector<LoopCandidate> weigh(LoopCandidate candidate, int alike);
   std::vector<LoopCandidate> settle(std::vector<LoopCandidate> decided);
 

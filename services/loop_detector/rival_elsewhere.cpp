@@ -1,0 +1,70 @@
+// Where no edge leads from a scan to a submap, the scan may be of anywhere. A match is then worth
+// something only when no other place of the map fits about as well: four corners of a corridor do.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "libs/places/rival_match.hpp"
+#include "libs/scan_matching/thinning.hpp"
+#include "services/loop_detector/loop_detector.hpp"
+
+namespace fusion_slam {
+namespace {
+
+// Around where the robot was when the submap was made.
+std::pair<SE2, double> surroundings(const SubmapStore::Submap& submap, double margin_m) {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const SubmapStore::Member& m : submap.members)
+    middle += Eigen::Vector2d(m.T_submap_base.x, m.T_submap_base.y);
+  middle /= static_cast<double>(submap.members.size());
+  double radius_m = 0.0;
+  for (const SubmapStore::Member& m : submap.members)
+    radius_m =
+        std::max(radius_m, (Eigen::Vector2d(m.T_submap_base.x, m.T_submap_base.y) - middle).norm());
+  return {SE2{middle.x(), middle.y(), 0.0}, radius_m + margin_m};
+}
+
+}  // namespace
+
+// Empty: no rival in the nearest submaps that no edge ties to the scan.
+std::string LoopDetector::rival_elsewhere(const LoopScan& scan, const Target& target,
+                                          const SE2& T_submap_base) {
+  const LidarSearchConfig& config = config_.search;
+  const auto T_map_target = graph_.T_map_base({NodeKind::kLidar, target.submap_id});
+  const UnpackedSubmap* found_in = submaps_.unpacked(target.submap_id);
+  if (!T_map_target || found_in == nullptr) return "the submap is gone";
+  const SE2 T_map_base = to_se2(*T_map_target) * T_submap_base;
+  const Points coarse = thinned(scan.points_base, config_.lidar.coarse_points);
+  const double score = match_score(found_in->pyramid, coarse, T_submap_base);
+
+  std::vector<std::pair<double, std::int64_t>> nearest;
+  for (const auto& [id, submap] : submaps_.all()) {
+    const auto T_map_anchor = graph_.T_map_base({NodeKind::kLidar, id});
+    if (id >= chain_begins_at_ || submap.members.empty() || submap.tiles.empty() || !T_map_anchor)
+      continue;
+    nearest.emplace_back((T_map_anchor->translation() - T_map_target->translation()).norm(), id);
+  }
+  std::sort(nearest.begin(), nearest.end());
+  if (nearest.size() > config.most_rival_submaps) nearest.resize(config.most_rival_submaps);
+  for (const auto& [distance_m, id] : nearest) {
+    const UnpackedSubmap* submap = submaps_.unpacked(id);
+    if (submap == nullptr) continue;
+    const SE2 T_map_anchor = to_se2(*graph_.T_map_base({NodeKind::kLidar, id}));
+    const auto [middle, radius_m] = surroundings(submaps_.all().at(id), config.near_m);
+    const auto rival = find_rival(submap->pyramid, coarse, middle, {radius_m, M_PI, 0.0},
+                                  T_map_anchor.inverse() * T_map_base,
+                                  {config_.lidar.rival_apart_m, config_.lidar.rival_apart_rad},
+                                  config_.lidar.rival_score * score);
+    if (!rival) continue;
+    const SE2 apart = T_map_base.inverse() * (T_map_anchor * rival->T_grid_base);
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "no edge leads here, and it fits as well %.1f m and %.0f degrees away",
+                  std::hypot(apart.x, apart.y), std::abs(wrap_angle(apart.yaw)) * 180.0 / M_PI);
+    return text;
+  }
+  return "";
+}
+
+}  // namespace fusion_slam
