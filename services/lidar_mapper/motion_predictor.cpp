@@ -15,7 +15,7 @@ constexpr int kVelocityIntervals =
 constexpr double kVelocitySpanS = 0.12;
 
 constexpr double kWindowSigmas = 3.0;
-constexpr double kBlindSigmas = 2.0;  // that the widest search must cover: 3 s without any sensor
+constexpr double kBlindSigmas = 2.0;    // that the widest search must cover: 3 s without any sensor
 constexpr double kContradiction = 0.5;  // of the distance between two predictions: a sigma
 constexpr double kLearningRate = 0.04;  // a few seconds
 constexpr double kSmallestVariance =
@@ -56,11 +56,20 @@ std::optional<SE2> MotionSource::pose_at(std::int64_t utime_us, double max_extra
   return a.pose * twist.motion(static_cast<double>(utime_us - a.utime_us) * 1e-6);
 }
 
+// Then the source may have begun anew, in a frame of its own.
+bool MotionSource::silent_between(std::int64_t from_us, std::int64_t to_us) const {
+  auto it = std::upper_bound(poses_.begin(), poses_.end(), from_us,
+                             [](std::int64_t t, const Stamped& s) { return t < s.utime_us; });
+  for (; it != poses_.end() && it->utime_us <= to_us; ++it)
+    if (it != poses_.begin() && it->utime_us - (it - 1)->utime_us > kLongestGapUs) return true;
+  return false;
+}
+
 std::optional<SE2> MotionSource::motion(std::int64_t from_us, std::int64_t to_us,
                                         double max_extrapolation_s) const {
   const auto from = pose_at(from_us, max_extrapolation_s);
   const auto to = pose_at(to_us, max_extrapolation_s);
-  if (!from || !to) return std::nullopt;
+  if (!from || !to || silent_between(from_us, to_us)) return std::nullopt;
   return from->inverse() * *to;
 }
 

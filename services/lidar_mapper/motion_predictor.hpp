@@ -32,6 +32,7 @@ class MotionSource {
     std::int64_t utime_us;
     SE2 pose;
   };
+  bool silent_between(std::int64_t from_us, std::int64_t to_us) const;
   std::optional<SE2> pose_at(std::int64_t utime_us, double max_extrapolation_s) const;
   std::deque<Stamped> poses_;
 };

@@ -38,6 +38,9 @@ TEST(MotionSource, AcrossAGapNothingIsSaid) {
   source.add(0, {0, 0, 0});
   source.add(3 * kSecond, {2, 0, 0});
   EXPECT_FALSE(source.motion(kSecond, 2 * kSecond, 0.3));
+  source.add(3 * kSecond + 100'000, {2.1, 0, 0});
+  EXPECT_FALSE(source.motion(0, 3 * kSecond + 100'000, 0.3)) << "its frame may be another one";
+  EXPECT_TRUE(source.motion(3 * kSecond, 3 * kSecond + 100'000, 0.3));
 }
 
 TEST(MotionPredictor, OdometryThenVisionThenTheLastVelocity) {
