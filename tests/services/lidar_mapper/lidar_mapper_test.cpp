@@ -111,6 +111,7 @@ TEST(LidarMapper, GivesNoIdTwiceWhenTheLastNodeIsForgotten) {
       third.add_scan(sweep(world, robot, test_path, 0.0, 1'000'000, 0.01, rng));
   ASSERT_TRUE(out.node);
   EXPECT_EQ(out.node->id, 1001);
+  EXPECT_EQ(out.node->previous_id, 0);
 }
 
 // The robot drives for `silent_s` seconds of which the mapper hears no scan, then for 5 s more.
