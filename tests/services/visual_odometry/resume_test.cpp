@@ -9,14 +9,23 @@
 namespace fusion_slam {
 namespace {
 
+constexpr int kSteps = 60;
+
 class Resume : public testing::Test {
  protected:
-  Resume() {
-    VisualOdometry first(camera_, robot_, config_);
-    for (int step = 0; step < 60; ++step) {
-      TrackingResult result = show(&first, step);
+  // The earlier process, once for all tests.
+  static void SetUpTestSuite() {
+    VisualOdometry first(small_camera(), robot(), small_config());
+    const RenderedWall wall;
+    keyframes_.clear();
+    for (int step = 0; step < kSteps; ++step) {
+      TrackingResult result =
+          first.track(wall.see(small_camera(), walk(step), (step + 1) * kFrame_us));
       if (result.keyframe) keyframes_.push_back(std::move(*result.keyframe));
     }
+  }
+  static RobotModel robot() {
+    return robot_with(from_xyz_rpy(0.1, 0.0, 0.5, -1.5707963, 0.0, -1.5707963));
   }
   TrackingResult show(VisualOdometry* odometry, int step) {
     ++n_frames_;
@@ -30,10 +39,10 @@ class Resume : public testing::Test {
 
   CameraModel camera_ = small_camera();
   VisualOdometryConfig config_ = small_config();
-  RobotModel robot_ = robot_with(from_xyz_rpy(0.1, 0.0, 0.5, -1.5707963, 0.0, -1.5707963));
+  RobotModel robot_ = robot();
   RenderedWall wall_;
-  std::vector<Keyframe> keyframes_;
-  std::int64_t n_frames_ = 0;
+  inline static std::vector<Keyframe> keyframes_;
+  std::int64_t n_frames_ = kSteps;
 };
 
 TEST_F(Resume, GoesOnInTheSameFrameWithTheNextId) {
@@ -42,12 +51,12 @@ TEST_F(Resume, GoesOnInTheSameFrameWithTheNextId) {
   again.resume(keyframes_);
   EXPECT_EQ(again.map().keyframes().size(), keyframes_.size());
   EXPECT_TRUE(consistent(again.map()));
-  TrackingResult result = show(&again, 60);
+  TrackingResult result = show(&again, kSteps);
   EXPECT_EQ(result.state, TrackingState::kOk) << result.reason;
-  EXPECT_LT(off_m(result, 60), 0.05);
+  EXPECT_LT(off_m(result, kSteps), 0.05);
   std::int64_t expected_id = keyframes_.back().id + 1;
-  for (int step = 60; step < 90; ++step) {
-    if (step > 60) result = show(&again, step);
+  for (int step = kSteps; step < kSteps + 30; ++step) {
+    if (step > kSteps) result = show(&again, step);
     ASSERT_NE(result.state, TrackingState::kLost) << step << " " << result.reason;
     EXPECT_LT(off_m(result, step), 0.05) << step;
     if (!result.keyframe) continue;
