@@ -60,12 +60,16 @@ class Observer:
         self.process = subprocess.Popen(argv, env=environment, stdin=subprocess.PIPE,
                                         stdout=subprocess.PIPE, stderr=errors, text=True)
         self.lines, self.changed = [], threading.Condition()
+        self.latest, self.last_of = {}, {}  # STATUS by process, and by process and pid
         threading.Thread(target=self.read, daemon=True).start()
 
     def read(self):
         for text in self.process.stdout:
             with self.changed:
-                self.lines.append(json.loads(text))
+                x = json.loads(text)
+                self.lines.append(x)
+                if "process" in x:
+                    self.latest[x["process"]] = self.last_of[(x["process"], x["pid"])] = x
                 self.changed.notify_all()
 
     def wait(self, fits, since=0, seconds=120.0):
@@ -88,11 +92,11 @@ class Observer:
     def statuses(self):
         """Newest STATUS by (process, pid)."""
         with self.changed:
-            return {(x["process"], x["pid"]): x for x in self.lines if "process" in x}
+            return dict(self.last_of)
 
     def newest(self, process):
-        known = [x for x in list(self.lines) if x.get("process") == process]
-        return known[-1] if known else None
+        with self.changed:
+            return self.latest.get(process)
 
     def quiet(self, seconds, at_most):
         """Until no tile and no GRAPH with news has come for so long."""
