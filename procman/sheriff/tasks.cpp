@@ -200,7 +200,18 @@ class Tasks {
       watch();
     else
       show();
+    for (const std::string& id : ids_) say_if_ignored(sheriff_.core().commands().at(id));
     return each_runs_or_has_run() ? 0 : 1;
+  }
+
+  // Its deputy is there and has not taken the orders; only the deputy knows why.
+  void say_if_ignored(const SheriffCommand& command) const {
+    if (command.state() != CommandState::kUnknown ||
+        sheriff_.core().deputies().count(command.deputy) == 0)
+      return;
+    std::cerr << command.spec.id << ": deputy \"" << command.deputy << "\" has not taken the order "
+              << "(its own log says why); does it want signed ones (--key"
+              << (options_.key_file.empty() ? "" : ", another key") << ")?\n";
   }
 
   void watch() {

@@ -135,9 +135,10 @@ def silent(sensor):
 
 
 def shifted(log, out, after_s, jump_s):
-    """A copy of a log whose measurements say another time from after_s on."""
+    """A copy of a log whose measurements say another time from after_s on. A time that comes twice
+    has no truth: nobody could say which of the two is meant."""
     with open(log, "rb") as file, open(out, "wb") as copy:
-        first = None
+        first = began = None
         while len(head := file.read(28)) == 28:
             n_channel, n_data = (int.from_bytes(head[i:i + 4], "big") for i in (20, 24))
             at = int.from_bytes(head[12:20], "big")
@@ -157,6 +158,12 @@ def shifted(log, out, after_s, jump_s):
                         if int.from_bytes(data[i:i + 4], "big") != 0:
                             raise RuntimeError("CAMERA with metadata: not this program's logs")
                         i += 4
+            said = int.from_bytes(data[8:16], "big") if channel == b"GROUND_TRUTH" else None
+            if said is not None:
+                began = said if began is None else began
+                twice = after_s + min(0.0, jump_s) <= (said - began) * 1e-6 <= after_s
+                if twice and jump_s < 0:
+                    continue
             copy.write(head + channel + data)
 
 
