@@ -41,7 +41,16 @@ void PoseGraph::add_pose(const PoseInput& pose) {
   settle();
 }
 
+void PoseGraph::clock_was_set_back(std::int64_t utime_us) {
+  for (PoseTrack* track : {&visual_, &lidar_, &odometry_}) track->forget_from(utime_us);
+  waiting_ties_.erase(waiting_ties_.lower_bound({utime_us, NodeId{}}), waiting_ties_.end());
+  newest_utime_us_ = utime_us;
+  if (last_pose_) last_pose_->utime_us = std::min(last_pose_->utime_us, utime_us);
+}
+
 void PoseGraph::add_odometry(std::int64_t utime_us, const SE3& T_odom_base) {
+  constexpr std::int64_t kBack_us = 1'000'000;  // odometry is not sent again: no message is late
+  if (odometry_.reaches(utime_us + kBack_us)) odometry_.forget_from(utime_us);
   TrackPose pose;
   pose.utime_us = utime_us;
   pose.T_odom_base = T_odom_base;

@@ -54,6 +54,9 @@ class PoseGraph {
   void add_pose(const PoseInput& pose);
   void add_odometry(std::int64_t utime_us, const SE3& T_odom_base);
   void add_loop(const LoopInput& loop);
+  // The robot's clock was set back: from now on it is utime_us again. What the sensors said of the
+  // times that come again is not compared with what they will say; nodes stay where they are.
+  void clock_was_set_back(std::int64_t utime_us);
   // Moves the whole map, once and at once, so that this node's z, roll and pitch become those of
   // T_level_id: the smallest rotation about the map's origin, then a shift along z (levelling() in
   // libs/geometry). Poses between nodes stay as they are. False, with a reason, for planar robots

@@ -84,6 +84,10 @@ void PoseGraphProcess::on_lidar_node(const lidar_node_t& message) {
 }
 
 void PoseGraphProcess::on_pose(NodeKind sensor, const pose_estimate_t& message) {
+  if (clock_[sensor].was_set_back(message.seq, message.utime)) {
+    bus_.report_error("the robot's clock was set back to " + std::to_string(message.utime) + " us");
+    graph_.clock_was_set_back(message.utime);
+  }
   if (reset_.passes(message.utime)) graph_.add_pose(pose_from(sensor, message));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "bot_core/pose_t.hpp"
@@ -15,6 +16,7 @@
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
 #include "libs/bus/reset_gate.hpp"
+#include "services/pose_graph/clock_watch.hpp"
 #include "services/pose_graph/pose_graph.hpp"
 
 namespace fusion_slam {
@@ -43,6 +45,7 @@ class PoseGraphProcess {
 
   Bus& bus_;
   ResetGate reset_{"pose_graph"};
+  std::map<NodeKind, ClockWatch> clock_;
   PoseGraph graph_;
   std::int64_t revision() const;       // as published: never lower than what was published before
   std::int64_t last_complete_ = 0;     // revision of graph_

@@ -38,6 +38,11 @@ const TrackPose* PoseTrack::newest_until(std::int64_t utime_us,
   return nullptr;
 }
 
+void PoseTrack::forget_from(std::int64_t utime_us) {
+  poses_.erase(poses_.lower_bound(utime_us), poses_.end());
+  broken_ = true;
+}
+
 bool PoseTrack::reaches(std::int64_t utime_us) const {
   return !poses_.empty() && poses_.rbegin()->first >= utime_us;
 }

@@ -42,6 +42,7 @@ class PoseTrack {
   // The newest pose not after a time that fits; nullptr: none.
   const TrackPose* newest_until(std::int64_t utime_us,
                                 const std::function<bool(const TrackPose&)>& fits) const;
+  void forget_from(std::int64_t utime_us);    // these times come a second time
   bool reaches(std::int64_t utime_us) const;  // a pose at or after that time has come
   // Motion between two times, when both can be answered and the track is unbroken from one to the
   // other.

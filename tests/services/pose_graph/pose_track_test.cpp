@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "services/pose_graph/clock_watch.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -26,6 +28,30 @@ TEST(PoseTrack, InterpolatesAndSaysHowFar) {
   EXPECT_EQ(seen->gap_us, 100'000);
   EXPECT_EQ(track.at(200'000)->gap_us, 0);
   EXPECT_EQ(track.at(200'000)->pose.reference.id, 8);
+}
+
+TEST(PoseTrack, ForgetsTimesThatComeAgain) {
+  PoseTrack track(500'000, 60'000'000);
+  for (int i = 1; i <= 20; ++i) track.add(pose(i * 100'000, i, 1, 0.0));
+  track.forget_from(1'000'000);
+  EXPECT_FALSE(track.reaches(1'000'000));
+  EXPECT_TRUE(track.at(850'000));
+  track.add(pose(1'000'000, 21.0, 1, 0.0));
+  track.add(pose(1'100'000, 22.0, 1, 0.0));
+  EXPECT_FALSE(track.at(950'000)) << "between the two there is no motion";
+  EXPECT_NEAR(track.at(1'050'000)->pose.T_odom_base.translation().x(), 21.5, 1e-12);
+}
+
+TEST(ClockWatch, TellsAClockThatWasSetBackFromALateMessage) {
+  ClockWatch clock;
+  EXPECT_FALSE(clock.was_set_back(1, 50'000'000));
+  EXPECT_FALSE(clock.was_set_back(3, 52'000'000));
+  EXPECT_FALSE(clock.was_set_back(2, 45'000'000)) << "late";
+  EXPECT_FALSE(clock.was_set_back(4, 51'500'000)) << "jitter";
+  EXPECT_TRUE(clock.was_set_back(5, 42'000'000));
+  EXPECT_FALSE(clock.was_set_back(6, 42'100'000));
+  EXPECT_FALSE(clock.was_set_back(1, 43'000'000)) << "started again";
+  EXPECT_TRUE(clock.was_set_back(2, 33'000'000));
 }
 
 TEST(PoseTrack, NeitherExtrapolatesNorBridges) {
