@@ -42,9 +42,12 @@ void PoseGraph::add_pose(const PoseInput& pose) {
 }
 
 void PoseGraph::clock_was_set_back(std::int64_t utime_us) {
-  for (PoseTrack* track : {&visual_, &lidar_, &odometry_}) track->forget_from(utime_us);
-  waiting_ties_.erase(waiting_ties_.lower_bound({utime_us, NodeId{}}), waiting_ties_.end());
-  newest_utime_us_ = utime_us;
+  constexpr std::int64_t kBack_us = 1'000'000;  // by less: what is there came since, by another
+  for (PoseTrack* track : {&visual_, &lidar_, &odometry_})
+    if (track->reaches(utime_us + kBack_us)) track->forget_from(utime_us);
+  waiting_ties_.erase(waiting_ties_.lower_bound({utime_us + kBack_us, NodeId{}}),
+                      waiting_ties_.end());
+  newest_utime_us_ = std::min(newest_utime_us_, utime_us + kBack_us);
   if (last_pose_) last_pose_->utime_us = std::min(last_pose_->utime_us, utime_us);
 }
 

@@ -59,6 +59,7 @@ TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
     fill_pose(T_odom_camera_, &refused);
     return refused;
   }
+  look_at_clock(frame.utime_us);
   last_utime_us_ = frame.utime_us;
   take_up_news();
   if (config_.use_surfaces) now_ = see_surfaces(frame.depth_mm, camera_, config_.surfaces);
@@ -112,6 +113,23 @@ void VisualOdometry::add_graph_node(std::int64_t keyframe_id, const SE3& T_map_b
   if (map_.keyframe(keyframe_id) != nullptr) revision_.update(keyframe_id, T_map_base);
 }
 
+// Frames come in their order, so one that is a second older than the last is newer, by a clock that
+// was set back.
+bool VisualOdometry::was_set_back(std::int64_t utime_us) const {
+  constexpr std::int64_t kBack_us = 1'000'000;
+  return last_utime_us_ != 0 && utime_us <= last_utime_us_ - kBack_us;
+}
+
+// What was measured by the other clock is not compared with what comes now.
+void VisualOdometry::look_at_clock(std::int64_t utime_us) {
+  if (!was_set_back(utime_us)) return;
+  last_utime_us_ = pose_utime_us_ = fix_utime_us_ = utime_us - 1;
+  searching_since_us_ = 0;
+  motion_.restart(T_odom_camera_);
+  lidar_motion_.clear();
+  scan_.reset();
+}
+
 std::string VisualOdometry::refuse(const RgbdFrame& frame) const {
   if (frame.colour_bgr.empty() || frame.depth_mm.empty()) return "empty image";
   if (frame.colour_bgr.type() != CV_8UC3 || frame.depth_mm.type() != CV_16UC1)
@@ -119,7 +137,8 @@ std::string VisualOdometry::refuse(const RgbdFrame& frame) const {
   const cv::Size size(camera_.width_px, camera_.height_px);
   if (frame.colour_bgr.size() != size || frame.depth_mm.size() != size)
     return "image size differs from the camera model's";
-  if (last_utime_us_ != 0 && frame.utime_us <= last_utime_us_) return "older than the last frame";
+  if (last_utime_us_ != 0 && frame.utime_us <= last_utime_us_ && !was_set_back(frame.utime_us))
+    return "older than the last frame";
   return "";
 }
 

@@ -31,7 +31,8 @@ class VisualOdometry {
   VisualOdometry(const CameraModel& camera, const RobotModel& robot,
                  const VisualOdometryConfig& config = {});
 
-  // Tracks one frame. Frames must come in order of utime; a frame that is older than the last,
+  // Tracks one frame. Frames must come in order of utime (a second or more back: the robot's clock
+  // was set back, and this is the next frame); a frame that is older than the last,
   // empty or not of the camera's size gives state kUnknown with the reason and changes nothing.
   TrackingResult track(const RgbdFrame& frame);
 
@@ -53,6 +54,8 @@ class VisualOdometry {
 
  private:
   std::string refuse(const RgbdFrame& frame) const;  // why not; empty: good
+  bool was_set_back(std::int64_t utime_us) const;    // the robot's clock
+  void look_at_clock(std::int64_t utime_us);
   FeatureSet see(const RgbdFrame& frame);
   void take_up_news();
   bool follow_graph();

@@ -57,6 +57,16 @@ TEST_F(Tracking, FollowsACameraAlongAWall) {
   EXPECT_LE(previous_id, 30);
 }
 
+TEST_F(Tracking, GoesOnWhenTheClockIsSetBack) {
+  for (int step = 0; step < 45; ++step) ASSERT_EQ(show(step).state, TrackingState::kOk) << step;
+  n_frames_ -= 40;
+  for (int step = 45; step < 60; ++step) {
+    const TrackingResult result = show(step);
+    ASSERT_EQ(result.state, TrackingState::kOk) << step << ": " << result.reason;
+    EXPECT_LT(local(truth(step), result.T_odom_base).norm(), 0.03) << step;
+  }
+}
+
 // A power cut: the journal has lost the last keyframe, which others know.
 TEST_F(Tracking, GivesNoIdTwiceWhenTheLastKeyframeIsForgotten) {
   std::vector<Keyframe> keyframes;
