@@ -29,7 +29,8 @@ std::uint32_t checksum(std::int64_t number, std::int64_t timestamp_us, const std
   head.insert(head.end(), channel.begin(), channel.end());
   head.push_back(0);
   uLong crc = crc32(0L, head.data(), static_cast<uInt>(head.size()));
-  crc = crc32(crc, bytes, static_cast<uInt>(size_bytes));
+  // crc32() begins anew when it is given no address, as an empty vector has.
+  if (size_bytes > 0) crc = crc32(crc, bytes, static_cast<uInt>(size_bytes));
   return static_cast<std::uint32_t>(crc);
 }
 

@@ -2,6 +2,7 @@
 // Any bytes as a journal: what is whole before the first damage is handed over, opening it cuts off
 // the rest, and what is written then is read again. Nothing is allocated beyond a few times the
 // file.
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>

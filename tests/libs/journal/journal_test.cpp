@@ -58,6 +58,19 @@ class JournalTest : public testing::Test {
       fs::path(testing::TempDir()) / ("journal_test_" + std::to_string(getpid()) + ".lcmlog");
 };
 
+TEST_F(JournalTest, AMessageWithoutBytesIsARecordToo) {
+  {
+    Journal journal(file_);
+    EXPECT_TRUE(journal.append(1, "EMPTY", nullptr, 0));
+    const std::uint8_t byte = 7;
+    EXPECT_TRUE(journal.append(2, "EMPTY", &byte, 0));
+    EXPECT_TRUE(journal.append(3, "ONE", &byte, 1));
+  }
+  const JournalState state = read_journal(file_, {});
+  EXPECT_EQ(state.n_records, 3);
+  EXPECT_EQ(state.cut_bytes, 0);
+}
+
 TEST_F(JournalTest, GivesBackWhatWasWritten) {
   EXPECT_EQ(read(), 0) << "no file";
   write(20);
