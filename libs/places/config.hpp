@@ -33,7 +33,7 @@ struct GeometryConfig {
   double optimism = 4.0;          // on the refined pose's covariance: features err together
   // A few features far away agree on one motion and hardly fix it. Such a view shows which place
   // it is, not where the camera is there: a scan must tell, or it is no closure. A sixth and a
-  // fifth of what would be a wrong closure (0.3 m, 0.1 rad): simulated ones err by up to 3.3 of
+  // fifth of what would be a wrong closure (0.3 m, 0.1 rad): simulated ones err by up to 3.7 of
   // these sigmas.
   double most_sigma_m = 0.05;
   double most_sigma_rad = 0.02;
