@@ -221,5 +221,59 @@ TEST(Segments, TheLidarJoinsThemAndTheCameraComesAlong) {
   }
 }
 
+// Two rooms of one plan, 12 m apart; both mapped, then silence, then one of them: nobody can tell
+// which. No closure is better than the wrong one.
+TEST(Segments, ARoomThatThereAreTwoOfIsNotJoined) {
+  constexpr int kInRoom = 20, kBlind = 30, kAfter = 45;
+  RobotModel robot;
+  robot.has_camera = false;
+  robot.has_lidar = robot.planar = true;
+  BothCores cores(robot);
+  NoisySteps steps(8);
+  const TiledGrid grid = room();
+  const auto in_room = [](int k) { return on_circle(0.7, 0.1 * k); };
+  const SE3 T_first_second = from_xyz_rpy(12, 0, 0, 0, 0, 0);
+  const auto truth = [&](int k) {
+    return k < kInRoom ? in_room(k) : SE3(T_first_second * in_room(k - kInRoom));
+  };
+
+  std::int64_t id = 0;
+  SE3 T_odom = SE3::Identity();
+  for (int k = 0; k < 2 * kInRoom + kBlind + kAfter; ++k) {
+    const std::int64_t utime_us = (k + 1) * 150'000;
+    const bool second_segment = k >= 2 * kInRoom + kBlind;
+    if (k >= 2 * kInRoom && !second_segment) {
+      cores.lost(NodeKind::kLidar, utime_us);
+      continue;
+    }
+    LoopScan scan;
+    scan.id = ++id;
+    scan.utime_us = utime_us;
+    if (k != 0 && k != 2 * kInRoom + kBlind) {
+      scan.previous_id = id - 1;
+      steps.measure(truth(k - 1), truth(k), &scan);
+      T_odom = T_odom * scan.T_previous_base;
+    }
+    scan.T_odom_base = T_odom;
+    scan.points_base = scan_from(grid, to_se2(in_room(k - (k < kInRoom ? 0 : kInRoom))));
+    if (k < kInRoom)
+      scan.submaps = {{1, in_room(k)}};
+    else
+      scan.submaps = {{second_segment ? 2 * kInRoom + 1 : kInRoom + 1, in_room(k - kInRoom)}};
+    cores.add(scan);
+    if (k == 2 * kInRoom - 1)
+      for (const auto& [at, cells] : grid.tiles())
+        for (const std::int64_t submap : {1, kInRoom + 1})
+          cores.detector.add_tile(
+              encode_grid_tile({submap, at.first, at.second, 0}, cells, kCell_m, 1, utime_us));
+  }
+  cores.finish();
+  EXPECT_TRUE(cores.accepted.empty());
+  int told = 0;
+  for (const LoopCandidate& c : cores.rejected)
+    told += c.stages[2].reason.find("fits as well 12.0 m") != std::string::npos ? 1 : 0;
+  EXPECT_GE(told, 2);
+}
+
 }  // namespace
 }  // namespace fusion_slam
