@@ -41,6 +41,11 @@ struct Running {
 class ProcessResume : public testing::Test {
  protected:
   ProcessResume() {
+    camera_.width_px = 320;
+    camera_.height_px = 240;
+    camera_.fx_px = camera_.fy_px = 262.0;
+    camera_.cx_px = 159.5;
+    camera_.cy_px = 119.5;
     robot_.T_base_camera = from_xyz_rpy(0.1, 0.0, 0.5, -1.5707963, 0.0, -1.5707963);
     listener_.subscribe<pose_estimate_t>("VISUAL_POSE", Policy::kKeepAll,
                                          [this](const pose_estimate_t& m) { poses_.push_back(m); });
@@ -85,13 +90,13 @@ TEST_F(ProcessResume, TheJournalGivesItItsMapItsNumbersAndItsModels) {
       const auto got = first.bus.processed();
       return got.count("CAMERA_MODEL") > 0 && got.count("ROBOT_MODEL") > 0;
     }));
-    for (int step = 0; step < 20; ++step) ASSERT_NO_FATAL_FAILURE(show(step));
+    for (int step = 0; step < 16; ++step) ASSERT_NO_FATAL_FAILURE(show(step));
     ASSERT_TRUE(until([&] { return keyframes_.size() >= 2; }));
   }
   const std::int64_t last_id = poses_.back().reference_id;
   Running second(journal_, network_);
   ASSERT_TRUE(until([&] { return listens(second.bus); }));
-  for (int step = 21; step < 36; ++step) {
+  for (int step = 17; step < 29; ++step) {
     ASSERT_NO_FATAL_FAILURE(show(step));
     ASSERT_NE(poses_.back().state, +pose_estimate_t::LOST) << poses_.back().reason;
     const SE3 T_truth =
