@@ -272,7 +272,8 @@ std::optional<PoseEstimate> VisualOdometry::find_again(const FeatureSet& set) {
   std::vector<std::int64_t> candidates{newest_};
   for (const std::int64_t id : places_.similar(map_, set, kNoSegment, config_.reloc_candidates))
     if (id != newest_) candidates.push_back(id);
-  auto found = relocalise(map_, candidates, camera_, set, scales_, config_.reloc_inliers, config_);
+  const int enough = resumed_ ? config_.min_inliers_ok : config_.reloc_inliers;
+  auto found = relocalise(map_, candidates, camera_, set, scales_, enough, config_);
   if (!found) return std::nullopt;
   reference_ = found->keyframe;
   segment_ = map_.keyframe(reference_)->segment;
@@ -287,7 +288,8 @@ std::optional<PoseEstimate> VisualOdometry::find_again(const FeatureSet& set) {
 bool VisualOdometry::contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate) const {
   if (static_cast<int>(estimate.matched.matches.size()) >= config_.min_inliers_ok) return false;
   const std::optional<SE3> predicted = lidar_prediction(utime_us);
-  if (!predicted) return false;
+  // Nothing tells how far the robot went while this process was dead.
+  if (!predicted) return resumed_;
   const Vector6d apart = local(*predicted, estimate.T_odom_camera);
   return apart.head<3>().norm() > config_.disagree_m ||
          apart.tail<3>().norm() > config_.disagree_rad;
@@ -296,6 +298,7 @@ bool VisualOdometry::contradicts_lidar(std::int64_t utime_us, const PoseEstimate
 TrackingResult VisualOdometry::tracked(std::int64_t utime_us, const PoseEstimate& estimate,
                                        FeatureSet set) {
   count_looks(estimate);
+  resumed_ = false;
   T_odom_camera_ = normalised(estimate.T_odom_camera);
   motion_.update(utime_us, T_odom_camera_);
   pose_utime_us_ = utime_us;
@@ -367,6 +370,7 @@ TrackingResult VisualOdometry::start_segment(std::int64_t utime_us, FeatureSet s
   searching_since_us_ = 0;
   motion_.update(utime_us, T_odom_camera_);
   segment_started_ = true;
+  resumed_ = false;
   ++segment_;
   ++n_segments_;
   add_keyframe({}, false, std::move(set), &result);

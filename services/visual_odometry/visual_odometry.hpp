@@ -118,6 +118,7 @@ class VisualOdometry {
   int frames_since_keyframe_ = 0;
   int inliers_at_keyframe_ = 0;
   bool segment_started_ = false;
+  bool resumed_ = false;                 // and nothing tracked since
   bool found_again_ = false;             // this frame: a keyframe ties the place to what follows
   bool weak_ = false;                    // the last frame was not OK
   std::int64_t last_utime_us_ = 0;       // of a frame

@@ -7,7 +7,8 @@ namespace fusion_slam {
 
 // The keyframes' features with depth make the map again; what bundle adjustment and triangulation
 // knew better comes back with the next keyframes. The first frame is then tracked or looked for as
-// after any gap.
+// after any gap. Edges that were said stay as they are: they came from the map before, which was
+// adjusted; T_odom_base is where each keyframe was believed to be at first.
 void VisualOdometry::resume(const std::vector<Keyframe>& keyframes, std::int64_t first_id) {
   if (newest_ != 0) return;
   first_id_ = first_id;
@@ -31,9 +32,6 @@ void VisualOdometry::resume(const std::vector<Keyframe>& keyframes, std::int64_t
     for (std::size_t i = 0; i < keyframe.landmark_of_feature.size(); ++i)
       if (keyframe.landmark_of_feature[i] != 0 && ours[i] != 0)
         became.emplace(keyframe.landmark_of_feature[i], ours[i]);
-    const bool unsettled = keyframe.id + config_.settle_keyframes > keyframes.back().id;
-    if (unsettled && map_.keyframe(keyframe.previous_id) != nullptr)
-      open_.emplace(keyframe.id, keyframe.previous_id);
   }
   const Keyframe& last = keyframes.back();
   newest_ = reference_ = mapped_ = last.id;
@@ -43,7 +41,7 @@ void VisualOdometry::resume(const std::vector<Keyframe>& keyframes, std::int64_t
   motion_.restart(T_odom_camera_);
   last_utime_us_ = pose_utime_us_ = fix_utime_us_ = last.utime_us;
   weak_ = true;
-  segment_started_ = true;
+  segment_started_ = resumed_ = true;
   renew_local_map();
 }
 
