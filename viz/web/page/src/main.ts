@@ -50,6 +50,7 @@ const localise = new LocaliseTool(world, (x, y, yaw) => void command({ verb: "lo
 
 let link: ConnectionState = "connecting";
 let session: SessionItem | null = null;
+const TRACKERS = ["visual_odometry", "lidar_mapper"];
 let truthError: number | null = null;
 let epoch = -1;
 let fresh = false; // connected anew: perhaps to another viewer
@@ -154,7 +155,7 @@ function describe(now: number): void {
   layers.count("octomap", world.voxels.total ? count(world.voxels.total) : "");
   layers.count("truth", truthError === null ? "" : `± ${metres(truthError)}`);
   layers.count("loops", session?.loops_closed ? String(session.loops_closed) : "");
-  stage.describe({ link, session, player: timeline.player, truthError, problems: replaying ? [] : health.problems(false) });
+  stage.describe({ link, session, player: timeline.player, truthError, problems: replaying ? [] : health.problems(false), hasTracker: health.names().some((name) => TRACKERS.includes(name)) });
   health.render(replaying);
   loops.render(session?.first_utime ?? 0);
 }

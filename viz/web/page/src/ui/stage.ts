@@ -10,6 +10,7 @@ export interface Situation {
   player: PlayerItem | null;
   truthError: number | null;
   problems: string[];
+  hasTracker: boolean; // a service that tracks the robot is running
 }
 
 export class StagePanel {
@@ -175,6 +176,9 @@ export class StagePanel {
     } else if (now.player && !now.player.ready) {
       title = "Reading the recording";
       text = `${Math.round(100 * (now.player.loaded ?? 0))} % of ${now.player.file}`;
+    } else if (now.link === "open" && !hasMap && !now.player && now.session?.utime && now.hasTracker) {
+      title = "The map begins with the next measurements";
+      text = "The services run and have no map yet, or were reset.";
     } else if (now.link === "open" && !hasMap && !now.player) {
       title = now.session?.utime ? "Sensors are heard, the map is not" : "Listening to the network";
       text = now.session?.utime
