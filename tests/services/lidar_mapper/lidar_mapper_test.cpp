@@ -241,7 +241,8 @@ TEST(LidarMapper, NodesPosesAndTilesFitTogether) {
   for (const Tile& tile : result.tiles)
     if (tile.key.submap_id == 1) first.tiles()[{tile.key.x, tile.key.y}] = *decode_grid_tile(tile);
   int occupied = 0, total = 0;
-  for (double y = -2.5; y < 2.5; y += 0.1, ++total) {
+  for (; total < 50; ++total) {
+    const double y = -2.5 + 0.1 * total;
     const Eigen::Vector2d p = start.inverse() * Eigen::Vector2d(-4.0, y * 0.5 + 1.0);
     for (int dx = -1; dx <= 1; ++dx)
       if (first.at(first.cell_of(p.x()) + dx, first.cell_of(p.y())) > 160) {
