@@ -1,5 +1,7 @@
 #include "tests/bench/dense_map/bench_score.hpp"
 
+#include <array>
+#include <cmath>
 #include <cstdio>
 
 #include <opencv2/imgcodecs.hpp>
@@ -100,6 +102,46 @@ std::string score_line(const std::string& name, const TruthMap& truth, const Map
       of(ObstacleClass::kChair), of(ObstacleClass::kTable), of(ObstacleClass::kLowBox),
       far_walls == 0 ? 0.0 : static_cast<double>(far_found) / static_cast<double>(far_walls),
       far_walls, score.free_accuracy(), score.free_coverage());
+  return text;
+}
+
+std::string measured_line(const std::string& name, const TruthMap& truth, const MapRaster& map,
+                          const std::set<std::pair<int, int>>& measured) {
+  const auto on_truth = resample(truth.raster, map, SE2{});
+  if (!on_truth) return name + ": " + on_truth.problem;
+  const int x0 = static_cast<int>(std::lround(truth.raster.origin_x_m / truth.raster.resolution_m));
+  const int y0 = static_cast<int>(std::lround(truth.raster.origin_y_m / truth.raster.resolution_m));
+  const auto measured_near = [&](int column, int row) {
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx)
+        if (measured.count({x0 + column + dx, y0 + row + dy}) != 0) return true;
+    return false;
+  };
+  std::array<ClassScore, kObstacleClasses> by_class{};
+  std::size_t occupied = 0;
+  for (int row = 0; row < truth.raster.height; ++row)
+    for (int column = 0; column < truth.raster.width; ++column) {
+      const std::uint8_t what = truth.classes[truth.raster.index(column, row)];
+      if (what == 0 || what >= kObstacleClasses) continue;
+      ++occupied;
+      if (!measured_near(column, row)) continue;
+      const std::size_t found = occupied_near(*on_truth, column, row) ? 1 : 0;
+      for (const std::size_t i : {std::size_t{0}, std::size_t{what}}) {
+        ++by_class[i].cells;
+        by_class[i].found += found;
+      }
+    }
+  const double recall = by_class[0].recall();
+  const double precision = score_map(truth.raster, truth.classes, *on_truth, 1).precision();
+  char text[300];
+  std::snprintf(
+      text, sizeof text,
+      "%-7s of the %zu of %zu occupied cells that a sensor measured: recall %.3f, F1 %.3f "
+      "| wall %.3f other %.3f chair %.3f table %.3f low box %.3f",
+      name.c_str(), by_class[0].cells, occupied, recall,
+      recall + precision == 0.0 ? 0.0 : 2 * recall * precision / (recall + precision),
+      by_class[1].recall(), by_class[2].recall(), by_class[3].recall(), by_class[4].recall(),
+      by_class[5].recall());
   return text;
 }
 

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/simulator/truth_map.hpp"
@@ -31,6 +33,12 @@ TruthMap load_truth(const std::filesystem::path& path, const RobotModel& robot,
 // truth without a known cell of `visual` within one cell. One line.
 std::string score_line(const std::string& name, const TruthMap& truth, const MapRaster& map,
                        const MapRaster& visual, const SE2& T_world_map);
+
+// Recall over those occupied cells of the truth only that are within one cell of `measured`: world
+// cells (floor of x, y over the truth's resolution) in which some sensor measured a surface of the
+// band during the drive. F1 with the precision of all cells. One line.
+std::string measured_line(const std::string& name, const TruthMap& truth, const MapRaster& map,
+                          const std::set<std::pair<int, int>>& measured);
 
 // Pictures of truth and map on the same cells, four pixels a cell: black occupied, white free, grey
 // unknown; of the map red: occupied where nothing is, blue: truth not found.

@@ -1,12 +1,15 @@
 // Dense mapper and fuser, as libraries, at exact poses: how good the maps are, what each keyframe
 // costs, and how much is held in memory.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <iostream>
 #include <random>
+#include <set>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -142,7 +145,8 @@ class Bench {
     const std::pair<const char*, const MapRaster*> maps[] = {
         {"lidar", &lidar}, {"camera", &visual}, {"fused", &fused}};
     for (const auto& [name, map] : maps) {
-      std::cout << score_line(name, truth, *map, visual, SE2{}) << "\n";
+      std::cout << score_line(name, truth, *map, visual, SE2{}) << "\n"
+                << measured_line(name, truth, *map, measured_) << "\n";
       if (!map->probability.empty()) write_pictures(choice_.out + "_" + name, truth, *map, SE2{});
     }
   }
@@ -154,6 +158,7 @@ class Bench {
     auto frame = from_message(image.message, &why);
     decode_ms_.push_back(cpu_ms() - before);
     if (!frame) throw std::runtime_error(why);
+    if (!choice_.truth.empty()) measure(frame->depth_mm, log_.pose_at(image.utime_us));
     frame->utime_us += later_us;
     const std::int64_t id = ++keyframe_;
     before = cpu_ms();
@@ -165,6 +170,24 @@ class Bench {
     mapper_->integrate_ready();
     integrate_ms_.push_back(cpu_ms() - before);
     if (mapper_->due()) publish(false);
+  }
+
+  // Cells of the band in which the camera measured something, as far as it measures at all.
+  void measure(const cv::Mat& depth_mm, const SE3& T_world_base) {
+    const SE3 T_world_camera = T_world_base * log_.robot.T_base_camera;
+    for (int v = 0; v < depth_mm.rows; v += 4)
+      for (int u = 0; u < depth_mm.cols; u += 4) {
+        const double z_m = depth_mm.at<std::uint16_t>(v, u) * 1e-3;
+        if (!log_.camera.depth_valid(z_m)) continue;
+        const Eigen::Vector3d p = T_world_camera * log_.camera.unproject(u, v, z_m);
+        if (p.z() >= log_.robot.floor_clearance_m && p.z() <= log_.robot.robot_height_m)
+          measure(p.head<2>());
+      }
+  }
+  void measure(const Eigen::Vector2d& p_m) {
+    const double cell_m = log_.robot.map_resolution_m;
+    measured_.emplace(static_cast<int>(std::floor(p_m.x() / cell_m)),
+                      static_cast<int>(std::floor(p_m.y() / cell_m)));
   }
 
   void publish(bool exact) {
@@ -211,6 +234,9 @@ class Bench {
     const std::int64_t later = scan.utime_us + 100'000;
     SE2 motion = T.inverse() * to_se2(log_.pose_at(later));
     const ScanPoints points = read_scan(scan, log_.robot, Twist::from_motion(motion, 0.1), 30.0);
+    if (!choice_.truth.empty())
+      for (const auto& p : points.hits_base)
+        measure((to_se3(T) * Eigen::Vector3d(p.x(), p.y(), 0.0)).head<2>());
     std::vector<Tile> tiles = submaps_.insert(node_, points, T, scan.utime_us + later_us);
     for (const auto& member : submaps_.inserted_into())
       if (member.submap_id == node_) fuser_->set_anchor(node_, to_se3(T), scan.utime_us);
@@ -237,6 +263,7 @@ class Bench {
   std::unique_ptr<DenseMapper> mapper_;
   std::unique_ptr<Fuser> fuser_;
   ActiveSubmaps submaps_;
+  std::set<std::pair<int, int>> measured_;  // world cells
   std::int64_t keyframe_ = 0;
   std::int64_t node_ = 0;
   SE2 T_world_node_;
