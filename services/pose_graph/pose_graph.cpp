@@ -69,8 +69,22 @@ void PoseGraph::add_loop(const LoopInput& loop) {
   settle();
 }
 
+void PoseGraph::rebuild(std::map<NodeId, SE3> T_map_base) {
+  rebuilding_ = true;
+  earlier_ = std::move(T_map_base);
+}
+
+void PoseGraph::rebuilt() {
+  if (!std::exchange(rebuilding_, false)) return;
+  earlier_.clear();
+  if (unsolved_loops_ > 0) start_global_solve(false);
+  unsolved_loops_ = 0;
+}
+
 void PoseGraph::start_anew() {
   PoseGraph fresh(config_);
+  fresh.rebuilding_ = rebuilding_;
+  fresh.earlier_ = std::move(earlier_);
   fresh.robot_ = robot_;
   fresh.camera_ = camera_;
   *this = std::move(fresh);
@@ -94,10 +108,10 @@ void PoseGraph::finish() {
 void PoseGraph::settle() {
   while (place_nodes()) {
   }
-  if (tie_keyframes()) refine_window();
+  if (tie_keyframes() && !rebuilding_) refine_window();
   meet_global_solve(false);
-  if (take_loops()) solve({});
-  if (bundle_is_due()) start_global_solve(true);
+  if (take_loops() && !rebuilding_) solve({});
+  if (!rebuilding_ && bundle_is_due()) start_global_solve(true);
   say_poses();
 }
 
@@ -149,7 +163,9 @@ void PoseGraph::refine_edges(const NodeInput& node) {
 }
 
 void PoseGraph::put(const NodeInput& node, const SE3& T_map_base) {
-  nodes_[node.id] = {node.utime_us, orthonormal(T_map_base), node.T_odom_base};
+  const auto earlier = earlier_.find(node.id);
+  const SE3& T = earlier == earlier_.end() ? T_map_base : earlier->second;
+  nodes_[node.id] = {node.utime_us, orthonormal(T), node.T_odom_base};
   by_time_.emplace(node.utime_us, node.id);
   changed_.insert(node.id);
   if (!node.seen.empty()) seen_.add(node.id.id, node.seen);

@@ -62,6 +62,11 @@ class PoseGraph {
   // libs/geometry). Poses between nodes stay as they are. False, with a reason, for planar robots
   // and unknown nodes.
   bool level_map(const NodeId& id, const SE3& T_level_id, std::string* why);
+  // An earlier process's graph is built again from its inputs: until rebuilt() nodes are put where
+  // it had them last, and nothing is solved (live, a graph is solved as often as nodes come: that
+  // would take as long again).
+  void rebuild(std::map<NodeId, SE3> T_map_base);
+  void rebuilt();
   void start_anew();  // forgets all but the robot and the camera
   void finish();      // the input has ended: place and say what still waits, then solve
 
@@ -130,6 +135,8 @@ class PoseGraph {
   std::vector<LoopInput> waiting_loops_;
   std::deque<PoseInput> waiting_poses_;
   bool finishing_ = false;
+  bool rebuilding_ = false;
+  std::map<NodeId, SE3> earlier_;  // where rebuild() puts nodes
 
   std::int64_t newest_utime_us_ = 0;
   std::int64_t revision_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "fusion_slam/graph_t.hpp"
 #include "libs/messages/convert.hpp"
@@ -20,6 +21,7 @@ constexpr int kCompletePeriodMs = 1000;             // live: and one that starte
 PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus) {
   const auto on = [this](auto method) {
     return [this, method](const auto& message) {
+      follow_recovery();
       (this->*method)(message);
       publish_news();
     };
@@ -37,18 +39,33 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus) {
                        "LEVEL", "VISUAL_POSE", "LIDAR_POSE", "ODOMETRY", "COMMAND"});
   bus.on_note<graph_t>("GRAPH", [this](const graph_t& m) {
     earlier_revision_ = std::max(earlier_revision_, m.revision);
+    for (const graph_node_t& node : m.nodes)
+      if (const auto T_map_base = from_message(node.T_map_base);
+          T_map_base && is_node_kind(node.kind))
+        earlier_[{static_cast<NodeKind>(node.kind), node.id}] = *T_map_base;
   });
   bus.subscribe<bot_core::pose_t>("ODOMETRY", Policy::kKeepAll, on(&PoseGraphProcess::on_odometry));
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll, on(&PoseGraphProcess::on_command));
   const auto on_pose_of = [this](NodeKind sensor) {
     return [this, sensor](const pose_estimate_t& message) {
+      follow_recovery();
       on_pose(sensor, message);
       publish_news();
     };
   };
   bus.subscribe<pose_estimate_t>("VISUAL_POSE", Policy::kKeepAll, on_pose_of(NodeKind::kKeyframe));
   bus.subscribe<pose_estimate_t>("LIDAR_POSE", Policy::kKeepAll, on_pose_of(NodeKind::kLidar));
-  if (bus.mode() == Mode::kLive) bus.every(kCompletePeriodMs, [this] { publish_complete(); });
+  if (bus.mode() == Mode::kLive)
+    bus.every(kCompletePeriodMs, [this] {
+      follow_recovery();
+      publish_complete();
+    });
+}
+
+// The journal gives first where an earlier process had its nodes, then what it was told.
+void PoseGraphProcess::follow_recovery() {
+  if (bus_.recovering() && !earlier_.empty()) graph_.rebuild(std::exchange(earlier_, {}));
+  if (!bus_.recovering()) graph_.rebuilt();
 }
 
 void PoseGraphProcess::on_robot(const robot_model_t& message) {

@@ -36,6 +36,7 @@ class PoseGraphProcess {
   void on_level(const constraint_t& message);
   void on_command(const command_t& message);
 
+  void follow_recovery();
   void publish_news();
   void publish_complete();
   void publish_graph(const std::vector<graph_node_t>& nodes, bool complete);
@@ -48,6 +49,7 @@ class PoseGraphProcess {
   std::map<NodeKind, ClockWatch> clock_;
   PoseGraph graph_;
   std::int64_t revision() const;       // as published: never lower than what was published before
+  std::map<NodeId, SE3> earlier_;      // where an earlier process had its nodes, by the journal
   std::int64_t last_complete_ = 0;     // revision of graph_
   std::int64_t earlier_revision_ = 0;  // the last of an earlier graph
 };

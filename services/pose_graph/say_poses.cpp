@@ -33,8 +33,10 @@ PoseOutput PoseGraph::said(const PoseInput& pose) const {
   output.reference = *pose.reference;
   output.T_reference_base = pose.T_reference_base;
   output.T_map_base = nodes_.at(output.reference).T_map_base * pose.T_reference_base;
-  output.covariance =
-      chained_covariance(map_covariance(output.reference), pose.T_reference_base, pose.covariance);
+  output.covariance = rebuilding_  // nobody hears it
+                          ? pose.covariance
+                          : chained_covariance(map_covariance(output.reference),
+                                               pose.T_reference_base, pose.covariance);
   output.state = pose.state;
   output.reason = pose.reason;
   output.fix_utime_us = pose.fix_utime_us;

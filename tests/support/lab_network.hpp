@@ -68,8 +68,11 @@ class LabNetwork {
     for (const std::string& command :
          {std::string("link set lo up"),
           "addr add 10.77.0." + std::to_string(last_byte) + "/24 dev eth0",
-          std::string("link set eth0 up"), std::string("route add 224.0.0.0/4 dev eth0")})
-      good = std::system((inside + "ip " + command + " 2>/dev/null").c_str()) == 0 && good;
+          std::string("link set eth0 up"), std::string("route add 224.0.0.0/4 dev eth0")}) {
+      std::string line = inside;
+      line.append("ip ").append(command).append(" 2>/dev/null");
+      good = std::system(line.c_str()) == 0 && good;
+    }
     return good;
   }
 
