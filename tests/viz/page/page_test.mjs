@@ -104,6 +104,7 @@ async function reset(page, player) {
     return now.session.area_m2 === 0 && now.fusedTiles === 0 && now.nodes === 0;
   });
   check((await stats(page)).link === "open", "Reset: every service has given up its map");
+  await until("the page to say what is next", async () => (await text(page, "#empty")).includes("begins with the next measurements"));
   await shot(page, "reset");
   await new Promise((resolve) => setTimeout(resolve, Math.max(0, player.startedAt + 12_500 - Date.now())));
   player.kill("SIGCONT");
