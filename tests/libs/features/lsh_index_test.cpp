@@ -1,7 +1,9 @@
 #include "libs/features/lsh_index.hpp"
 
+#include <map>
 #include <random>
 
+#include <flann/flann.hpp>
 #include <gtest/gtest.h>
 
 namespace fusion_slam {
@@ -35,6 +37,48 @@ TEST(LshIndex, FindsMostOfWhatASearchThroughAllFindsAndNothingElse) {
   }
   EXPECT_LE(found, expected);
   EXPECT_GT(found, 0.7 * expected);
+}
+
+// FLANN's index that looks at all is exact and draws nothing by lot, unlike its index by hashing.
+TEST(LshIndex, SaysOfEachNeighbourWhatFlannSays) {
+  std::mt19937 random(3);
+  std::vector<Descriptor> all(1500);
+  LshIndex index(8, 16, 7);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (auto& word : all[i]) word = (static_cast<std::uint64_t>(random()) << 32U) | random();
+    // Every third is like the one before: neighbours that a descriptor of a video has.
+    if (i % 3 == 2) {
+      all[i] = all[i - 1];
+      for (int k = 0; k < 20; ++k) all[i][random() % 4] ^= 1ULL << (random() % 64);
+    }
+    index.add(all[i], static_cast<int>(i));
+  }
+  const auto bytes = [](Descriptor& first, std::size_t n) {
+    return flann::Matrix<unsigned char>(reinterpret_cast<unsigned char*>(first.data()), n,
+                                        sizeof(Descriptor));
+  };
+  flann::Index<flann::Hamming<unsigned char>> exact(bytes(all[0], all.size()),
+                                                    flann::LinearIndexParams());
+  exact.buildIndex();
+  std::size_t expected = 0;
+  std::size_t found = 0;
+  for (std::size_t q = 0; q < all.size(); q += 7) {
+    std::vector<std::vector<int>> labels;
+    std::vector<std::vector<unsigned int>> distances;
+    exact.radiusSearch(bytes(all[q], 1), labels, distances, 49, flann::SearchParams(-1));
+    std::map<int, int> near;
+    for (std::size_t i = 0; i < labels[0].size(); ++i)
+      near.emplace(labels[0][i], static_cast<int>(distances[0][i]));
+    expected += near.size();
+    for (const LshIndex::Near& n : index.near(all[q], 48)) {
+      ASSERT_EQ(near.count(n.label), 1U);
+      EXPECT_EQ(near.at(n.label), n.distance);
+      ++found;
+    }
+  }
+  EXPECT_GT(expected, all.size() / 7);  // more than each query itself
+  EXPECT_LE(found, expected);
+  EXPECT_GT(found, 0.8 * expected);
 }
 
 TEST(LshIndex, TwoOfTheSameSeedAreTheSame) {
