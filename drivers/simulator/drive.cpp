@@ -10,7 +10,6 @@ namespace fusion_slam {
 namespace {
 
 constexpr std::uint64_t kWheelStream = 20;
-constexpr double kReachedM = 0.30;     // near enough to a way point to turn to the next
 constexpr double kSettleS = 0.25;      // time constant with which speeds reach their wishes
 constexpr double kSteeringPerS = 1.8;  // turn rate wished per angle error
 constexpr double kTurnFirstRad = 0.9;  // look this near at the goal before driving on
@@ -30,31 +29,39 @@ SE2 arc(double distance_m, double angle_rad) {
   return {chord * std::cos(half), chord * std::sin(half), angle_rad};
 }
 
+Drive::Step drive_start(const Eigen::Vector2d& first_m, const Eigen::Vector2d& second_m) {
+  const Eigen::Vector2d first = second_m - first_m;
+  return {{first_m.x(), first_m.y(), std::atan2(first.y(), first.x())}, 0.0, 0.0};
+}
+
+SE2 drive_step(const Eigen::Vector2d& goal_m, const DriveLimits& limits, Drive::Step* step) {
+  const SE2& pose = step->T_world_base;
+  const Eigen::Vector2d to_goal = goal_m - Eigen::Vector2d(pose.x, pose.y);
+  const double error = wrap_angle(std::atan2(to_goal.y(), to_goal.x()) - pose.yaw);
+  const double turn =
+      std::clamp(kSteeringPerS * error, -limits.max_turn_rad_s, limits.max_turn_rad_s);
+  const double speed = limits.max_speed_m_s * std::max(0.0, 1.0 - std::fabs(error) / kTurnFirstRad);
+  step->speed_m_s = approach(step->speed_m_s, speed, limits.max_accel_m_s2);
+  step->turn_rad_s = approach(step->turn_rad_s, turn, limits.max_turn_accel_rad_s2);
+  return pose * arc(step->speed_m_s * Drive::kStepS, step->turn_rad_s * Drive::kStepS);
+}
+
 Drive::Drive(const std::vector<Eigen::Vector2d>& route_m, const DriveLimits& limits,
              double seconds) {
   if (route_m.size() < 2) throw std::invalid_argument("a route needs at least two way points");
-  const Eigen::Vector2d first = route_m[1] - route_m[0];
-  Step step{{route_m[0].x(), route_m[0].y(), std::atan2(first.y(), first.x())}, 0.0, 0.0};
+  Step step = drive_start(route_m[0], route_m[1]);
   std::size_t goal = 1;
   const auto n = static_cast<std::size_t>(std::ceil(seconds / kStepS)) + 1;
+  steps_.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
     const SE2& pose = step.T_world_base;
-    Eigen::Vector2d to_goal = route_m[goal] - Eigen::Vector2d(pose.x, pose.y);
-    if (to_goal.norm() < kReachedM) {
-      if (lap_s_ == 0.0) arrivals_s_.push_back(static_cast<double>(i) * kStepS);
+    if ((route_m[goal] - Eigen::Vector2d(pose.x, pose.y)).norm() < kReachedM) {
       if (goal == 0 && lap_s_ == 0.0) lap_s_ = static_cast<double>(i) * kStepS;
       goal = (goal + 1) % route_m.size();
-      to_goal = route_m[goal] - Eigen::Vector2d(pose.x, pose.y);
     }
-    const double error = wrap_angle(std::atan2(to_goal.y(), to_goal.x()) - pose.yaw);
-    const double turn =
-        std::clamp(kSteeringPerS * error, -limits.max_turn_rad_s, limits.max_turn_rad_s);
-    const double speed =
-        limits.max_speed_m_s * std::max(0.0, 1.0 - std::fabs(error) / kTurnFirstRad);
-    step.speed_m_s = approach(step.speed_m_s, speed, limits.max_accel_m_s2);
-    step.turn_rad_s = approach(step.turn_rad_s, turn, limits.max_turn_accel_rad_s2);
+    const SE2 next = drive_step(route_m[goal], limits, &step);
     steps_.push_back(step);
-    step.T_world_base = step.T_world_base * arc(step.speed_m_s * kStepS, step.turn_rad_s * kStepS);
+    step.T_world_base = next;
   }
 }
 

@@ -28,18 +28,22 @@ class Drive {
     double turn_rad_s = 0.0;  // both constant during the step
   };
   static constexpr double kStepS = 0.001;
+  static constexpr double kReachedM = 0.30;  // near enough to a way point to turn to the next
 
   SE2 T_world_base(double time_s) const;  // exact: an arc within each step
   const std::vector<Step>& steps() const { return steps_; }
-  // When each way point was first reached: the second one, the third ..., then the first again.
-  const std::vector<double>& arrivals_s() const { return arrivals_s_; }
   double lap_s() const { return lap_s_; }  // first return to the start; 0: not within the time
 
  private:
   std::vector<Step> steps_;
-  std::vector<double> arrivals_s_;
   double lap_s_ = 0.0;
 };
+
+// At the first way point, looking at the second, standing.
+Drive::Step drive_start(const Eigen::Vector2d& first_m, const Eigen::Vector2d& second_m);
+// Speeds wished on the way to a point, and the step that is made with what the limits leave of
+// them: sets the speeds of `step`, returns the pose at its end.
+SE2 drive_step(const Eigen::Vector2d& goal_m, const DriveLimits& limits, Drive::Step* step);
 
 // Motion along an arc: T_start_end.
 SE2 arc(double distance_m, double angle_rad);

@@ -78,20 +78,27 @@ Paths shortest_paths(const RoadMap& map, std::size_t from) {
   return paths;
 }
 
-// When the last way point is reached, if until then the robot touches nothing; else a negative
-// time.
-double safe_until_s(const std::vector<Eigen::Vector2d>& points, const Clearance& clearance,
-                    const RandomRouteOptions& options, double length_m) {
-  const double longest_s = 4.0 * length_m / options.limits.max_speed_m_s + 10.0;
-  const Drive drive(points, options.limits, longest_s);
-  const auto& arrivals = drive.arrivals_s();
-  if (arrivals.size() + 1 < points.size()) return -1.0;
-  const double end_s = arrivals[points.size() - 2];
-  for (int i = 0; i * kOftenS < end_s; ++i) {
-    const SE2 at = drive.T_world_base(i * kOftenS);
-    if (clearance.at({at.x, at.y}) < options.robot_radius_m) return -1.0;
+// A drive so far: at the last way point, in the middle of a step.
+struct Driven {
+  Drive::Step step;
+  std::size_t steps = 0;
+  double length_m = 0.0;  // of the way points
+};
+
+// Drives on along `trip`; false when the robot touches something or doesn't arrive. Only the trip
+// is driven, not all that was before it.
+bool drive_on(const std::vector<Eigen::Vector2d>& trip, const Clearance& clearance,
+              const RandomRouteOptions& options, Driven* driven) {
+  constexpr auto kOften = static_cast<std::size_t>(kOftenS / Drive::kStepS + 0.5);
+  const double longest_s = 4.0 * driven->length_m / options.limits.max_speed_m_s + 10.0;
+  for (std::size_t goal = 0; static_cast<double>(driven->steps) * Drive::kStepS < longest_s;) {
+    const SE2& pose = driven->step.T_world_base;
+    const Eigen::Vector2d at(pose.x, pose.y);
+    if ((trip[goal] - at).norm() < Drive::kReachedM && ++goal == trip.size()) return true;
+    if (driven->steps++ % kOften == 0 && clearance.at(at) < options.robot_radius_m) return false;
+    driven->step.T_world_base = drive_step(trip[goal], options.limits, &driven->step);
   }
-  return end_s;
+  return false;
 }
 
 std::vector<TruthTriangle> triangles_of(const World& world) {
@@ -163,9 +170,8 @@ std::vector<Eigen::Vector2d> random_route(const World& world, const RandomRouteO
   const RoadMap map = make_road_map(clearance, options, &random);
   std::vector<Eigen::Vector2d> points{options.start_m};
   std::size_t at = 0;
-  double length_m = 0.0;
   int futile = 0;
-  for (double safe_s = 0.0; safe_s <= options.seconds + 2.0;) {
+  for (Driven driven; static_cast<double>(driven.steps) * Drive::kStepS <= options.seconds + 2.0;) {
     if (++futile > kFutileGoals)
       throw std::invalid_argument("found no way of " + std::to_string(options.seconds) +
                                   " s that keeps a robot of radius " +
@@ -176,15 +182,15 @@ std::vector<Eigen::Vector2d> random_route(const World& world, const RandomRouteO
     if (!(paths.length_m[goal] >= kShortestTripM) || std::isinf(paths.length_m[goal])) continue;
     std::vector<Eigen::Vector2d> trip;
     for (std::size_t k = goal; k != at; k = paths.before[k]) trip.push_back(map.places_m[k]);
-    std::vector<Eigen::Vector2d> longer = points;
-    longer.insert(longer.end(), trip.rbegin(), trip.rend());
-    const double end_s = safe_until_s(longer, clearance, options, length_m + paths.length_m[goal]);
-    if (end_s < 0.0) continue;
+    std::reverse(trip.begin(), trip.end());
+    Driven further = driven;
+    if (points.size() == 1) further.step = drive_start(points[0], trip[0]);
+    further.length_m += paths.length_m[goal];
+    if (!drive_on(trip, clearance, options, &further)) continue;
     futile = 0;
-    points = longer;
-    length_m += paths.length_m[goal];
+    points.insert(points.end(), trip.begin(), trip.end());
+    driven = further;
     at = goal;
-    safe_s = end_s;
   }
   return points;
 }
