@@ -10,12 +10,16 @@ class ClockWatch {
  public:
   // True: between this message and the one before it the clock was set back by a second or more.
   bool was_set_back(std::int64_t seq, std::int64_t utime_us) {
-    const bool next = seq > seq_ || utime_us > utime_us_;  // or of a publisher that counts anew
-    const bool back = next && seq_ > 0 && utime_us < utime_us_ - kBack_us;
-    if (next) {
-      seq_ = seq;
-      utime_us_ = utime_us;
+    if (seq <= seq_ && utime_us <= utime_us_) return false;  // late
+    if (seq <= seq_) {                                       // a publisher that was started again
+      anew_us_ = utime_us;
+      before_ = seq_;
     }
+    // What the publisher before it had still to say is late, too, whatever its numbers.
+    if (utime_us < anew_us_ && seq > before_) return false;
+    const bool back = seq_ > 0 && utime_us < utime_us_ - kBack_us;
+    seq_ = seq;
+    utime_us_ = utime_us;
     return back;
   }
 
@@ -23,6 +27,8 @@ class ClockWatch {
   static constexpr std::int64_t kBack_us = 1'000'000;  // stamps of one sensor vary by far less
   std::int64_t seq_ = 0;
   std::int64_t utime_us_ = 0;
+  std::int64_t anew_us_ = 0;  // first heard of the publisher that speaks now
+  std::int64_t before_ = 0;   // last heard of the one before
 };
 
 }  // namespace fusion_slam

@@ -54,6 +54,19 @@ TEST(ClockWatch, TellsAClockThatWasSetBackFromALateMessage) {
   EXPECT_TRUE(clock.was_set_back(2, 33'000'000));
 }
 
+// A process that hung while the tracker was started again: the new one's messages and, repaired,
+// the old one's come in any order.
+TEST(ClockWatch, WhatThePublisherBeforeSaidIsLate) {
+  ClockWatch clock;
+  EXPECT_FALSE(clock.was_set_back(75, 15'000'000));
+  EXPECT_FALSE(clock.was_set_back(1, 26'000'000));
+  EXPECT_FALSE(clock.was_set_back(76, 19'200'000));
+  EXPECT_FALSE(clock.was_set_back(2, 26'200'000));
+  EXPECT_FALSE(clock.was_set_back(77, 19'400'000));
+  EXPECT_FALSE(clock.was_set_back(3, 40'000'000));
+  EXPECT_TRUE(clock.was_set_back(4, 30'200'000));
+}
+
 TEST(PoseTrack, NeitherExtrapolatesNorBridges) {
   PoseTrack track(500'000, 60'000'000);
   track.add(pose(1'000'000, 1.0, 1, 1.0));
