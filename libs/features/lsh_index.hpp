@@ -1,12 +1,12 @@
 // Nearest binary descriptors by hashing: each table's key is a few of the 256 bits, so that
 // descriptors that differ little share a bucket in some table (Indyk & Motwani 1998: bit sampling
-// for the Hamming distance). Grows one descriptor at a time and never rebuilds. Written here
-// because FLANN 1.9.2's index of the same kind draws its bits from std::random_device: two runs of
-// one program give different neighbours.
+// for the Hamming distance). Grows and shrinks one descriptor at a time and never rebuilds. Written
+// here because FLANN 1.9.2's index of the same kind draws its bits from std::random_device: two
+// runs of one program give different neighbours.
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
+#include <map>
 #include <vector>
 
 #include "libs/features/feature.hpp"
@@ -17,32 +17,44 @@ class LshIndex {
  public:
   LshIndex(int tables, int key_bits, std::uint32_t seed);
 
-  // `label` is handed back by for_near; labels may repeat.
+  // `label` is handed back by near(); labels may repeat.
   void add(const Descriptor& descriptor, int label);
-  std::size_t size() const { return entries_.size(); }
+  // All descriptors of the label are gone and their room is used again.
+  void remove(int label);
+  std::size_t size() const { return entries_.size() - free_.size(); }
 
   struct Near {
     int label = 0;
     int distance = 0;
   };
   // Entries within max_distance that share a bucket with the query in at least one table, each
-  // once, in the order they were added. Misses some; never wrong about the distance.
+  // once, in the order they were added (by label, once any was removed). Misses some; never wrong
+  // about the distance.
   std::vector<Near> near(const Descriptor& query, int max_distance) const;
 
  private:
+  static constexpr std::uint32_t kNone = 0xffffffffU;
   struct Entry {
     Descriptor descriptor;
     int label = 0;
+    std::uint32_t next_of_label = kNone;
   };
   struct Table {
     std::vector<int> bits;
-    std::unordered_map<std::uint32_t, std::vector<std::uint32_t>>
-        buckets;  // looked up, never iterated
+    std::vector<std::uint32_t> first;  // by key: the entry of that bucket that came last
   };
   static std::uint32_t key(const Table& table, const Descriptor& descriptor);
 
+  std::uint32_t& next(std::uint32_t number, std::size_t table) {
+    return next_[number * tables_.size() + table];
+  }
+
   std::vector<Table> tables_;
   std::vector<Entry> entries_;
+  std::vector<std::uint32_t> next_;  // in the bucket, by entry and table
+  std::vector<std::uint32_t> free_;  // entries of labels that were removed
+  std::map<int, std::uint32_t> of_label_;
+  bool reused_ = false;  // numbers no longer tell the order
 };
 
 }  // namespace fusion_slam

@@ -1,9 +1,8 @@
 #include "libs/graph/uncertainty.hpp"
 
-#include <functional>
+#include <algorithm>
+#include <iterator>
 #include <limits>
-#include <queue>
-#include <utility>
 
 #include "libs/graph/edge_noise.hpp"
 
@@ -19,8 +18,13 @@ constexpr int kUnreachable = -2;
 }  // namespace
 
 int GraphUncertainty::index_of(const NodeId& id) {
-  const auto [it, is_new] = index_.emplace(id, static_cast<int>(neighbours_.size()));
-  if (is_new) neighbours_.emplace_back();
+  const int next = free_nodes_.empty() ? static_cast<int>(neighbours_.size()) : free_nodes_.back();
+  const auto [it, is_new] = index_.emplace(id, next);
+  if (!is_new) return it->second;
+  if (free_nodes_.empty())
+    neighbours_.emplace_back();
+  else
+    free_nodes_.pop_back();
   return it->second;
 }
 
@@ -32,59 +36,126 @@ void GraphUncertainty::add_edge(const NodeId& from, const NodeId& to, const SE3&
   if (length < 0.0) return;
   const int a = index_of(from);
   const int b = index_of(to);
-  const int edge = static_cast<int>(edges_.size());
-  edges_.push_back({a, b, T_from_to, covariance, length, is_loop, false});
-  neighbours_[static_cast<std::size_t>(a)].push_back(edge);
-  neighbours_[static_cast<std::size_t>(b)].push_back(edge);
+  put({a, b, T_from_to, covariance, length, is_loop});
+}
+
+void GraphUncertainty::put(const Edge& edge) {
+  int number = static_cast<int>(edges_.size());
+  if (free_edges_.empty()) {
+    edges_.push_back(edge);
+  } else {
+    number = free_edges_.back();
+    free_edges_.pop_back();
+    edges_[static_cast<std::size_t>(number)] = edge;
+  }
+  neighbours_[static_cast<std::size_t>(edge.from)].push_back(number);
+  neighbours_[static_cast<std::size_t>(edge.to)].push_back(number);
+}
+
+void GraphUncertainty::remove(int edge) {
+  const Edge& e = edges_[static_cast<std::size_t>(edge)];
+  for (const int end : {e.from, e.to}) {
+    std::vector<int>& all = neighbours_[static_cast<std::size_t>(end)];
+    all.erase(std::remove(all.begin(), all.end(), edge), all.end());
+  }
+  free_edges_.push_back(edge);
 }
 
 void GraphUncertainty::remove_loops(const NodeId& from, const NodeId& to) {
   const auto a = index_.find(from);
   const auto b = index_.find(to);
   if (a == index_.end() || b == index_.end()) return;
-  for (const int e : neighbours_[static_cast<std::size_t>(a->second)]) {
-    Edge& edge = edges_[static_cast<std::size_t>(e)];
-    if (edge.is_loop && edge.from == a->second && edge.to == b->second) edge.gone = true;
+  const std::vector<int> all = neighbours_[static_cast<std::size_t>(a->second)];
+  for (const int e : all) {
+    const Edge& edge = edges_[static_cast<std::size_t>(e)];
+    if (edge.is_loop && edge.from == a->second && edge.to == b->second) remove(e);
   }
+}
+
+void GraphUncertainty::retire(const NodeId& node) {
+  const auto found = index_.find(node);
+  if (found == index_.end()) return;
+  const int gone = found->second;
+  std::map<int, Edge> spokes;  // the shortest edge to each neighbour, told from the neighbour
+  const std::vector<int> all = neighbours_[static_cast<std::size_t>(gone)];
+  for (const int e : all) {
+    Edge edge = edges_[static_cast<std::size_t>(e)];
+    remove(e);
+    if (edge.from == gone)
+      edge = {edge.to,
+              gone,
+              edge.T_from_to.inverse(),
+              inverse_covariance(edge.covariance, edge.T_from_to),
+              edge.length,
+              edge.is_loop};
+    const auto known = spokes.find(edge.from);
+    if (known == spokes.end() || edge.length < known->second.length) spokes[edge.from] = edge;
+  }
+  index_.erase(found);
+  free_nodes_.push_back(gone);
+
+  std::vector<Edge> shortcuts;
+  for (auto a = spokes.begin(); a != spokes.end(); ++a) {
+    Paths around = from(a->first);
+    for (auto b = std::next(a); b != spokes.end(); ++b) {
+      const double length = a->second.length + b->second.length;
+      if (around.reach(b->first, length) &&
+          around.length_[static_cast<std::size_t>(b->first)] <= length)
+        continue;
+      const SE3 T_gone_b = b->second.T_from_to.inverse();
+      shortcuts.push_back(
+          {a->first, b->first, a->second.T_from_to * T_gone_b,
+           chained_covariance(a->second.covariance, T_gone_b,
+                              inverse_covariance(b->second.covariance, b->second.T_from_to)),
+           length, false});
+    }
+  }
+  for (const Edge& edge : shortcuts) put(edge);
 }
 
 GraphUncertainty::Paths GraphUncertainty::from(const NodeId& start) const {
+  const auto found = index_.find(start);
+  return from(found == index_.end() ? kUnreachable : found->second);
+}
+
+GraphUncertainty::Paths GraphUncertainty::from(int start) const {
   Paths paths;
   paths.graph_ = this;
   paths.edge_to_.assign(neighbours_.size(), kUnreachable);
-  const auto found = index_.find(start);
-  if (found == index_.end()) return paths;
-
-  std::vector<double> length(neighbours_.size(), std::numeric_limits<double>::infinity());
-  using Entry = std::pair<double, int>;  // ties: the smaller index first, so the same every time
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  length[static_cast<std::size_t>(found->second)] = 0.0;
-  paths.edge_to_[static_cast<std::size_t>(found->second)] = kStart;
-  open.emplace(0.0, found->second);
-  while (!open.empty()) {
-    const auto [so_far, node] = open.top();
-    open.pop();
-    if (so_far > length[static_cast<std::size_t>(node)]) continue;
-    for (const int e : neighbours_[static_cast<std::size_t>(node)]) {
-      const Edge& edge = edges_[static_cast<std::size_t>(e)];
-      if (edge.gone) continue;
-      const int other = edge.from == node ? edge.to : edge.from;
-      const double there = so_far + edge.length;
-      if (there >= length[static_cast<std::size_t>(other)]) continue;
-      length[static_cast<std::size_t>(other)] = there;
-      paths.edge_to_[static_cast<std::size_t>(other)] = e;
-      open.emplace(there, other);
-    }
-  }
+  paths.length_.assign(neighbours_.size(), std::numeric_limits<double>::infinity());
+  paths.settled_.assign(neighbours_.size(), false);
+  if (start < 0) return paths;
+  paths.length_[static_cast<std::size_t>(start)] = 0.0;
+  paths.edge_to_[static_cast<std::size_t>(start)] = kStart;
+  paths.open_.emplace(0.0, start);
   return paths;
 }
 
-std::optional<GraphUncertainty::Paths::Relative> GraphUncertainty::Paths::to(
-    const NodeId& node) const {
+bool GraphUncertainty::Paths::reach(int node, double most) {
+  while (!settled_[static_cast<std::size_t>(node)]) {
+    if (open_.empty() || open_.top().first > most) return false;
+    const auto [so_far, at] = open_.top();
+    open_.pop();
+    if (settled_[static_cast<std::size_t>(at)]) continue;
+    settled_[static_cast<std::size_t>(at)] = true;
+    for (const int e : graph_->neighbours_[static_cast<std::size_t>(at)]) {
+      const Edge& edge = graph_->edges_[static_cast<std::size_t>(e)];
+      const int other = edge.from == at ? edge.to : edge.from;
+      const double there = so_far + edge.length;
+      if (there >= length_[static_cast<std::size_t>(other)]) continue;
+      length_[static_cast<std::size_t>(other)] = there;
+      edge_to_[static_cast<std::size_t>(other)] = e;
+      open_.emplace(there, other);
+    }
+  }
+  return true;
+}
+
+std::optional<GraphUncertainty::Paths::Relative> GraphUncertainty::Paths::to(const NodeId& node) {
   if (graph_ == nullptr) return std::nullopt;
   const auto found = graph_->index_.find(node);
   if (found == graph_->index_.end() || static_cast<std::size_t>(found->second) >= edge_to_.size() ||
-      edge_to_[static_cast<std::size_t>(found->second)] == kUnreachable)
+      !reach(found->second, std::numeric_limits<double>::infinity()))
     return std::nullopt;
 
   std::vector<std::pair<int, int>> steps;  // (edge, the node it leads to), last first

@@ -5,8 +5,11 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
+#include <queue>
+#include <utility>
 #include <vector>
 
 #include "libs/graph/edge.hpp"
@@ -22,7 +25,14 @@ class GraphUncertainty {
   // The loops between the two are gone: the pose graph has switched them off.
   void remove_loops(const NodeId& from, const NodeId& to);
 
-  // Best paths from one node to all others; valid until an edge comes or goes. O(E log N).
+  // The node is gone; where the shortest path between two of its neighbours led through it, an edge
+  // of its length and covariance takes its place (Geisberger et al. 2008: contraction), so that
+  // paths between the others stay what they were. A loop that is switched off later stays in such
+  // edges.
+  void retire(const NodeId& node);
+
+  // Best paths from one node to others; valid until an edge comes or goes, and the graph must
+  // outlive it. Searches as far as it is asked: O(E log N) of what is nearer.
   class Paths {
    public:
     struct Relative {
@@ -30,17 +40,23 @@ class GraphUncertainty {
       Matrix6d covariance = Matrix6d::Zero();  // of it, in the node's axes
     };
     // Nothing: no path leads there.
-    std::optional<Relative> to(const NodeId& node) const;
+    std::optional<Relative> to(const NodeId& node);
 
    private:
     friend class GraphUncertainty;
+    using Entry = std::pair<double, int>;  // ties: the smaller index first, the same every time
+    // Goes on until the node is reached, or all that is nearer than `most` is known.
+    bool reach(int node, double most);
     const GraphUncertainty* graph_ = nullptr;
     std::vector<int> edge_to_;  // by node: the last edge of the path; -1 start, -2 unreachable
+    std::vector<double> length_;
+    std::vector<bool> settled_;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
   };
   Paths from(const NodeId& start) const;
 
-  std::size_t n_nodes() const { return neighbours_.size(); }
-  std::size_t n_edges() const { return edges_.size(); }
+  std::size_t n_nodes() const { return index_.size(); }
+  std::size_t n_edges() const { return edges_.size() - free_edges_.size(); }
 
  private:
   struct Edge {
@@ -50,13 +66,16 @@ class GraphUncertainty {
     Matrix6d covariance;
     double length = 0.0;  // what paths are compared by
     bool is_loop = false;
-    bool gone = false;
   };
   int index_of(const NodeId& id);
+  void put(const Edge& edge);
+  void remove(int edge);
+  Paths from(int start) const;
 
   std::map<NodeId, int> index_;
   std::vector<std::vector<int>> neighbours_;  // edges of a node
   std::vector<Edge> edges_;
+  std::vector<int> free_nodes_, free_edges_;  // numbers that are not in use
 };
 
 }  // namespace fusion_slam

@@ -13,7 +13,9 @@ constexpr std::uint32_t kIndexSeed = 20251;  // any; the same in every run
 PlaceIndex::PlaceIndex(const AppearanceConfig& config)
     : config_(config), index_(config.index_tables, config.index_key_bits, kIndexSeed) {}
 
-void PlaceIndex::add(std::int64_t id, std::int64_t utime_us, const FeatureSet& features) {
+std::vector<std::int64_t> PlaceIndex::add(std::int64_t id, std::int64_t utime_us,
+                                          const FeatureSet& features) {
+  std::vector<std::int64_t> added;
   waiting_.push_back({id, utime_us, sample(features, config_.indexed_features)});
   while (waiting_.size() > static_cast<std::size_t>(config_.not_before_keyframes) &&
          utime_us - waiting_.front().utime_us >= config_.not_before_us) {
@@ -21,9 +23,18 @@ void PlaceIndex::add(std::int64_t id, std::int64_t utime_us, const FeatureSet& f
     ids_.push_back(waiting_.front().id);
     votes_.push_back(0);
     for (const Descriptor& d : waiting_.front().descriptors) index_.add(d, label);
+    labels_[ids_.back()] = label;
+    added.push_back(ids_.back());
     waiting_.pop_front();
-    ++n_places_;
   }
+  return added;
+}
+
+void PlaceIndex::remove(std::int64_t id) {
+  const auto label = labels_.find(id);
+  if (label == labels_.end()) return;
+  index_.remove(label->second);
+  labels_.erase(label);
 }
 
 // Evenly over the set: features come octave by octave, and each octave should be asked.

@@ -1,9 +1,10 @@
 // Stage 1: which older keyframes look like this one? Each descriptor asked votes for the keyframes
-// that have one like it. Grows with each keyframe; no vocabulary. Not thread-safe.
+// that have one like it. Grows with each keyframe that is kept; no vocabulary. Not thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <vector>
 
 #include "libs/features/lsh_index.hpp"
@@ -24,10 +25,15 @@ class PlaceIndex {
   std::vector<Place> like(const FeatureSet& features) const;
 
   // The keyframe becomes a place when it is old enough, so that the newest never drown the others'
-  // votes. Ids must grow.
-  void add(std::int64_t id, std::int64_t utime_us, const FeatureSet& features);
+  // votes. Ids must grow. Returned: those that became places now.
+  std::vector<std::int64_t> add(std::int64_t id, std::int64_t utime_us, const FeatureSet& features);
+  // No place any more; not one: nothing happens.
+  void remove(std::int64_t id);
 
-  std::size_t n_places() const { return n_places_; }
+  // All places, in the order of their ids.
+  const std::map<std::int64_t, int>& places() const { return labels_; }
+
+  std::size_t n_places() const { return labels_.size(); }
 
  private:
   struct Waiting {
@@ -40,9 +46,9 @@ class PlaceIndex {
   AppearanceConfig config_;
   LshIndex index_;
   std::deque<Waiting> waiting_;
-  std::vector<std::int64_t> ids_;   // by label
-  mutable std::vector<int> votes_;  // by label; all 0 between calls
-  std::size_t n_places_ = 0;
+  std::vector<std::int64_t> ids_;       // by label, which grows with the id
+  mutable std::vector<int> votes_;      // by label; all 0 between calls
+  std::map<std::int64_t, int> labels_;  // by id
 };
 
 }  // namespace fusion_slam

@@ -50,7 +50,7 @@ Consistency::Gate Consistency::gate(const GraphKnowledge& graph,
                                     const LoopMeasurement& loop) const {
   Gate gate;
   gate.threshold = graph.planar() ? config_.gate_3d : config_.gate_6d;
-  const auto known = graph.relative(graph.paths_from(loop.from), loop.from, loop.to);
+  const auto known = graph.relative(loop.from, loop.to);
   if (!known) {
     gate.reason = "the graph does not know both nodes";
     return gate;
@@ -74,8 +74,8 @@ bool Consistency::agree(const GraphKnowledge& graph, const LoopCandidate& a,
                         const LoopCandidate& b) const {
   const LoopMeasurement& la = measured(a);
   const LoopMeasurement& lb = measured(b);
-  const auto old_side = graph.relative(graph.paths_from(la.from), la.from, lb.from);
-  const auto new_side = graph.relative(graph.paths_from(la.to), la.to, lb.to);
+  const auto old_side = graph.relative(la.from, lb.from);
+  const auto new_side = graph.relative(la.to, lb.to);
   if (!old_side || !new_side || !old_side->connected || !new_side->connected) return false;
   const SE3 by_b = old_side->T_from_to * lb.T_from_to * new_side->T_from_to.inverse();
   // All told in the axes of to_a.

@@ -1,5 +1,6 @@
 #include "services/loop_detector/graph_knowledge.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
@@ -27,6 +28,8 @@ Matrix6d diagonal(double sigma_m, double sigma_rad) {
 
 void GraphKnowledge::remember(const NodeId& id, std::int64_t utime_us, const SE3& T_odom_base) {
   nodes_[id] = {utime_us, T_odom_base};
+  std::int64_t& newest = newest_[id.kind];
+  newest = std::max(newest, id.id);
 }
 
 void GraphKnowledge::add(const LoopKeyframe& keyframe) {
@@ -49,7 +52,13 @@ void GraphKnowledge::add(const LoopScan& scan) {
   edges_.add_edge(previous, id, edge.T_from_to, effective_covariance(noise_, edge, planar_));
 }
 
+bool GraphKnowledge::is_retired(const NodeId& id) const {
+  const auto newest = newest_.find(id.kind);
+  return newest != newest_.end() && id.id <= newest->second && nodes_.count(id) == 0;
+}
+
 void GraphKnowledge::moved(const NodeId& id, const SE3& T_map_base) {
+  if (is_retired(id)) return;
   T_map_base_[id] = T_map_base;
   if (id.kind == NodeKind::kKeyframe) tie(id);
 }
@@ -68,6 +77,7 @@ void GraphKnowledge::tie(const NodeId& keyframe) {
 }
 
 void GraphKnowledge::add_loop(const LoopMeasurement& loop) {
+  if (is_retired(loop.from) || is_retired(loop.to)) return;
   const GraphEdge edge{EdgeKind::kLoop, loop.from, loop.to, loop.T_from_to, loop.covariance, 1.0};
   edges_.add_edge(loop.from, loop.to, loop.T_from_to, effective_covariance(noise_, edge, planar_),
                   true);
@@ -75,6 +85,17 @@ void GraphKnowledge::add_loop(const LoopMeasurement& loop) {
 
 void GraphKnowledge::remove_loop(const NodeId& from, const NodeId& to) {
   edges_.remove_loops(from, to);
+}
+
+void GraphKnowledge::retire(const NodeId& id) {
+  const auto node = nodes_.find(id);
+  if (node == nodes_.end()) return;
+  edges_.retire(id);
+  const auto scan = scans_by_time_.find(node->second.utime_us);
+  if (scan != scans_by_time_.end() && scan->second == id) scans_by_time_.erase(scan);
+  T_map_base_.erase(id);
+  tied_.erase(id);
+  nodes_.erase(node);
 }
 
 std::optional<SE3> GraphKnowledge::T_map_base(const NodeId& id) const {
@@ -103,14 +124,21 @@ std::optional<NodeId> GraphKnowledge::scan_near(std::int64_t utime_us,
   return best;
 }
 
-std::optional<GraphKnowledge::Relative> GraphKnowledge::relative(
-    const GraphUncertainty::Paths& paths, const NodeId& from, const NodeId& to) const {
+std::optional<GraphKnowledge::Relative> GraphKnowledge::relative(const NodeId& from,
+                                                                 const NodeId& to) const {
+  GraphUncertainty::Paths paths = paths_from(from);
+  return relative(&paths, from, to);
+}
+
+std::optional<GraphKnowledge::Relative> GraphKnowledge::relative(GraphUncertainty::Paths* paths,
+                                                                 const NodeId& from,
+                                                                 const NodeId& to) const {
   const auto T_map_from = T_map_base(from);
   const auto T_map_to = T_map_base(to);
   if (!T_map_from || !T_map_to) return std::nullopt;
   Relative result;
   result.T_from_to = T_map_from->inverse() * *T_map_to;
-  if (const auto path = paths.to(to)) {
+  if (const auto path = paths->to(to)) {
     result.covariance = path->covariance;
   } else {
     result.connected = false;

@@ -22,6 +22,8 @@ class GraphKnowledge {
   void moved(const NodeId& id, const SE3& T_map_base);
   void add_loop(const LoopMeasurement& loop);
   void remove_loop(const NodeId& from, const NodeId& to);
+  // The node is of no use any more; how well others are known by way of it stays.
+  void retire(const NodeId& id);
 
   // As the graph has it; where it has not (yet), odometry from the newest node of the kind that it
   // has. Nothing: never heard of.
@@ -36,11 +38,14 @@ class GraphKnowledge {
     bool connected = true;  // false: no edges lead there, the covariance is a guess, wide
   };
   GraphUncertainty::Paths paths_from(const NodeId& id) const { return edges_.from(id); }
-  // From the node that `paths` start at.
-  std::optional<Relative> relative(const GraphUncertainty::Paths& paths, const NodeId& from,
+  // From the node that `paths` start at; they are searched as far as it takes.
+  std::optional<Relative> relative(GraphUncertainty::Paths* paths, const NodeId& from,
                                    const NodeId& to) const;
+  std::optional<Relative> relative(const NodeId& from, const NodeId& to) const;
 
   bool planar() const { return planar_; }
+  std::size_t n_nodes() const { return nodes_.size(); }
+  std::size_t n_edges() const { return edges_.n_edges(); }
 
  private:
   struct Node {
@@ -49,11 +54,13 @@ class GraphKnowledge {
   };
   void remember(const NodeId& id, std::int64_t utime_us, const SE3& T_odom_base);
   void tie(const NodeId& keyframe);
+  bool is_retired(const NodeId& id) const;
 
   bool planar_;
   EdgeNoiseConfig noise_;
   GraphUncertainty edges_;
   std::map<NodeId, Node> nodes_;
+  std::map<NodeKind, std::int64_t> newest_;  // ids
   std::map<NodeId, SE3> T_map_base_;
   std::map<std::int64_t, NodeId> scans_by_time_;
   std::map<NodeId, bool> tied_;  // keyframes with an edge to a scan

@@ -163,7 +163,7 @@ std::vector<LoopDetector::Target> LoopDetector::targets(const LoopScan& scan) co
                                                                  p.y() - member.T_submap_base.y));
     if (target.distance_m > config.near_m + config.max_window_m) continue;
     if (!paths) paths = graph_.paths_from(node);
-    const auto known = graph_.relative(*paths, node, anchor);
+    const auto known = graph_.relative(&*paths, node, anchor);
     if (!known) continue;
     const Matrix6d covariance = inverse_covariance(known->covariance, known->T_from_to);
     const double window_m = config.sigmas * worst_sigma_m(covariance);

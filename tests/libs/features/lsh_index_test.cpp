@@ -2,6 +2,7 @@
 
 #include <map>
 #include <random>
+#include <set>
 
 #include <flann/flann.hpp>
 #include <gtest/gtest.h>
@@ -79,6 +80,49 @@ TEST(LshIndex, SaysOfEachNeighbourWhatFlannSays) {
   EXPECT_GT(expected, all.size() / 7);  // more than each query itself
   EXPECT_LE(found, expected);
   EXPECT_GT(found, 0.8 * expected);
+}
+
+// After many came and went it answers as one that only ever had those that are left.
+TEST(LshIndex, WhatIsRemovedWasNeverThere) {
+  std::mt19937 random(5);
+  LshIndex index(8, 10, 7);
+  std::map<int, std::vector<Descriptor>> kept;
+  for (int label = 0; label < 60; ++label) {
+    for (int i = 0; i < 20; ++i) {
+      Descriptor d;
+      for (auto& word : d) word = random() % 16;
+      kept[label].push_back(d);
+      index.add(d, label);
+    }
+    if (label % 3 == 0) continue;
+    const int gone = std::next(kept.begin(), random() % kept.size())->first;
+    index.remove(gone);
+    index.remove(gone);  // the second time nothing happens
+    kept.erase(gone);
+  }
+  LshIndex anew(8, 10, 7);
+  for (const auto& [label, descriptors] : kept)
+    for (const Descriptor& d : descriptors) anew.add(d, label);
+  EXPECT_EQ(index.size(), anew.size());
+  for (int q = 0; q < 50; ++q) {
+    Descriptor query;
+    for (auto& word : query) word = random() % 16;
+    std::multimap<int, int> is, should;
+    int last = -1;
+    for (const LshIndex::Near& n : index.near(query, 6)) {
+      EXPECT_GE(n.label, last);
+      last = n.label;
+      is.emplace(n.label, n.distance);
+    }
+    for (const LshIndex::Near& n : anew.near(query, 6)) should.emplace(n.label, n.distance);
+    EXPECT_EQ(is.size(), should.size());
+    for (const auto& [label, descriptors] : kept) {
+      std::multiset<int> a, b;
+      for (auto [at, end] = is.equal_range(label); at != end; ++at) a.insert(at->second);
+      for (auto [at, end] = should.equal_range(label); at != end; ++at) b.insert(at->second);
+      EXPECT_EQ(a, b);
+    }
+  }
 }
 
 TEST(LshIndex, TwoOfTheSameSeedAreTheSame) {

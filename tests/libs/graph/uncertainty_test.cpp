@@ -74,7 +74,7 @@ TEST(GraphUncertainty, TakesTheBestPath) {
     for (int k = 0; k < n; ++k)
       for (int a = 0; a < n; ++a)
         for (int b = 0; b < n; ++b) best[a][b] = std::min(best[a][b], best[a][k] + best[k][b]);
-    const auto paths = graph.from(node(1));
+    auto paths = graph.from(node(1));
     for (int b = 1; b < n; ++b) {
       const auto found = paths.to(node(b + 1));
       ASSERT_EQ(found.has_value(), best[0][b] < 1e8);
@@ -94,6 +94,51 @@ TEST(GraphUncertainty, ALoopThatIsGoneIsNoPath) {
   EXPECT_GT(graph.from(node(1)).to(node(2))->covariance(0, 0), 0.2);
   EXPECT_FALSE(graph.from(node(1)).to(node(9)));
   EXPECT_FALSE(graph.from(node(9)).to(node(1)));
+}
+
+// Between the nodes that are left every best path says what it said before.
+TEST(GraphUncertainty, WhoIsRetiredLeavesThePathsBetweenTheOthers) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::mt19937 random(seed);
+    const auto share = [&] { return static_cast<double>(random() % 1000) / 1000.0; };
+    GraphUncertainty graph;
+    const int n = 25;
+    for (int a = 1; a <= n; ++a)
+      for (int b = a + 1; b <= n; ++b) {
+        if (b != a + 1 && random() % 8 != 0) continue;
+        graph.add_edge(node(a), node(b), from_xyz_rpy(share(), share(), 0, 0, 0, share()),
+                       small(0.01 + 0.05 * share(), 0.001 + 0.01 * share()), random() % 2 == 0);
+      }
+    const GraphUncertainty whole = graph;
+    for (int gone = 2; gone <= n; gone += 1 + static_cast<int>(random() % 3)) {
+      graph.retire(node(gone));
+      EXPECT_FALSE(graph.from(node(1)).to(node(gone)));
+    }
+    EXPECT_LT(graph.n_nodes(), whole.n_nodes());
+    for (int a = 1; a <= n; ++a)
+      for (int b = 1; b <= n; ++b) {
+        const auto is = graph.from(node(a)).to(node(b));
+        if (!is) continue;
+        const auto was = whole.from(node(a)).to(node(b));
+        ASSERT_TRUE(was);
+        EXPECT_TRUE(is->covariance.isApprox(was->covariance, 1e-9)) << a << " " << b;
+        EXPECT_TRUE(is->T_start_node.isApprox(was->T_start_node, 1e-9));
+      }
+    EXPECT_TRUE(graph.from(node(1)).to(node(1)));
+  }
+}
+
+// A robot that goes around the same five places for ever.
+TEST(GraphUncertainty, RoundsThatAreRetiredLeaveNothingBehind) {
+  GraphUncertainty graph;
+  for (int id = 2; id <= 2000; ++id) {
+    graph.add_edge(node(id - 1), node(id), SE3::Identity(), small(0.01, 0.001));
+    if (id > 5)
+      graph.add_edge(node(1 + id % 5), node(id), SE3::Identity(), small(0.01, 0.002), true);
+    if (id > 25) graph.retire(node(id - 20));
+  }
+  EXPECT_LT(graph.n_nodes(), 30U);
+  EXPECT_LT(graph.n_edges(), 100U);
 }
 
 TEST(GraphUncertainty, NonsenseIsIgnored) {
