@@ -6,13 +6,13 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "libs/features/spread_corners.hpp"
+
 namespace fusion_slam {
 namespace {
 
 constexpr int kPatchRadius_px = 15;  // orientation and descriptor look this far
 constexpr int kMargin_px = 19;       // rotated patch corners and FAST's ring stay inside
-constexpr int kCornersPerCell =
-    4;  // cells are made so large that a fully textured image fills its quota so
 
 // Half-width of the disc of radius kPatchRadius_px at each row.
 std::array<int, kPatchRadius_px + 1> disc_half_widths() {
@@ -43,12 +43,6 @@ float centroid_angle_deg(const cv::Mat& image, const cv::Point2f& corner) {
   return cv::fastAtan2(static_cast<float>(m01), static_cast<float>(m10));
 }
 
-bool stronger(const cv::KeyPoint& a, const cv::KeyPoint& b) {
-  if (a.response != b.response) return a.response > b.response;
-  if (a.pt.y != b.pt.y) return a.pt.y < b.pt.y;
-  return a.pt.x < b.pt.x;
-}
-
 // Where image gradients meet (Foerstner & Guelch 1987), in the 5 x 5 pixels around each corner; one
 // that would leave these stays.
 void refine_corners(const cv::Mat& level, std::vector<cv::KeyPoint>* kept) {
@@ -59,42 +53,6 @@ void refine_corners(const cv::Mat& level, std::vector<cv::KeyPoint>* kept) {
   cv::cornerSubPix(level, points, {kRadius_px, kRadius_px}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 5, 0.03});
   for (std::size_t i = 0; i < points.size(); ++i) (*kept)[i].pt = points[i];
-}
-
-// Keeps `quota` corners: first the strongest of each cell, then the second of each, and so on.
-std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& found, const cv::Size& size,
-                                 int quota, float usual_response) {
-  const double cell_px =
-      std::max(8.0, std::sqrt(static_cast<double>(size.area()) * kCornersPerCell / quota));
-  const int columns = static_cast<int>(size.width / cell_px) + 1;
-  const int rows = static_cast<int>(size.height / cell_px) + 1;
-  std::vector<std::vector<cv::KeyPoint>> cells(static_cast<std::size_t>(columns * rows));
-  for (const cv::KeyPoint& corner : found)
-    cells[static_cast<int>(corner.pt.y / cell_px) * columns +
-          static_cast<int>(corner.pt.x / cell_px)]
-        .push_back(corner);
-
-  std::vector<std::vector<cv::KeyPoint>> ranks;  // ranks[k]: the k-th strongest of each cell
-  for (auto& cell : cells) {
-    std::sort(cell.begin(), cell.end(), stronger);
-    for (std::size_t k = 0; k < cell.size(); ++k) {
-      if (k > 0 && cell[k].response < usual_response)
-        break;  // weak ones only where nothing else is
-      if (ranks.size() <= k) ranks.resize(k + 1);
-      ranks[k].push_back(cell[k]);
-    }
-  }
-  std::vector<cv::KeyPoint> kept;
-  for (auto& rank : ranks) {
-    const std::size_t room = quota - kept.size();
-    if (rank.size() > room) {
-      std::sort(rank.begin(), rank.end(), stronger);
-      rank.resize(room);
-    }
-    kept.insert(kept.end(), rank.begin(), rank.end());
-    if (kept.size() >= static_cast<std::size_t>(quota)) break;
-  }
-  return kept;
 }
 
 }  // namespace
@@ -119,10 +77,8 @@ double OrbExtractor::scale(int octave) const {
 std::vector<cv::KeyPoint> OrbExtractor::corners(const cv::Mat& level, int quota) const {
   const cv::Rect inner(kMargin_px - 3, kMargin_px - 3, level.cols - 2 * (kMargin_px - 3),
                        level.rows - 2 * (kMargin_px - 3));
-  std::vector<cv::KeyPoint> found;
-  cv::FAST(level(inner), found, config_.fast_threshold_low, true);
   std::vector<cv::KeyPoint> kept =
-      spread(found, inner.size(), quota, static_cast<float>(config_.fast_threshold));
+      spread_corners(level(inner), quota, config_.fast_threshold, config_.fast_threshold_low);
   for (cv::KeyPoint& corner : kept) {
     corner.pt += cv::Point2f(static_cast<float>(inner.x), static_cast<float>(inner.y));
     corner.angle = centroid_angle_deg(level, corner.pt);
