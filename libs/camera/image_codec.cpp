@@ -3,14 +3,11 @@
 #include <stdexcept>
 
 #include <opencv2/imgcodecs.hpp>
-#include <zlib.h>
+
+#include "libs/compression/zlib_bytes.hpp"
 
 namespace fusion_slam {
 namespace {
-
-// Depth of a structured-light camera shrinks to a third at level 1 and hardly further, at a quarter
-// of the default's time.
-constexpr int kZlibLevel = 1;
 
 bool side_ok(int px) { return px > 0 && px <= kMaxImageSide; }
 
@@ -89,13 +86,7 @@ Bytes depth_bytes(const cv::Mat& depth_mm) {
 
 Bytes encode_depth(const cv::Mat& depth_mm) {
   const Bytes raw = depth_bytes(depth_mm);
-  uLongf size = compressBound(static_cast<uLong>(raw.size()));
-  Bytes zipped(size);
-  if (compress2(zipped.data(), &size, raw.data(), static_cast<uLong>(raw.size()), kZlibLevel) !=
-      Z_OK)
-    throw std::runtime_error("encode_depth: zlib failed");
-  zipped.resize(size);
-  return zipped;
+  return zlib_compress(raw.data(), raw.size());
 }
 
 std::optional<cv::Mat> depth_from_bytes(const Bytes& bytes, int width_px, int height_px,
@@ -125,12 +116,12 @@ std::optional<cv::Mat> decode_depth(const Bytes& bytes, int width_px, int height
       std::size_t{2} * static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
   if (bytes.size() < expected / 1100)
     return *why = "zipped depth is too short for its size", std::nullopt;
-  Bytes raw(expected);
-  auto size = static_cast<uLongf>(expected);
-  const int result = uncompress(raw.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()));
-  if (result != Z_OK || size != expected)
+  // Little-endian on the wire, as in this machine's memory.
+  static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+  cv::Mat depth(height_px, width_px, CV_16UC1);
+  if (!zlib_decompress_into(bytes.data(), bytes.size(), depth.data, expected))
     return *why = "zipped depth is damaged or of another size", std::nullopt;
-  return depth_from_bytes(raw, width_px, height_px, why);
+  return depth;
 }
 
 }  // namespace fusion_slam

@@ -44,7 +44,7 @@ struct Tile {
   std::vector<std::uint8_t> data;  // deflated
 };
 
-// zlib, level 1: byte-identical for equal input. Empty in, empty out.
+// zlib, fastest level: byte-identical for equal input. Empty in, empty out.
 std::vector<std::uint8_t> deflate_bytes(const std::vector<std::uint8_t>& raw);
 
 // The inverse; nothing when the data is damaged or would be larger than max_size_bytes.
