@@ -33,5 +33,12 @@ TileKey cloud_tile_of(std::int64_t submap_id, const Eigen::Vector3d& p_m, double
 Tile encode_cloud_tile(const TileKey& key, const std::vector<ColouredPoint>& points,
                        double resolution_m, std::int64_t revision, std::int64_t utime_us);
 std::optional<std::vector<ColouredPoint>> decode_cloud_tile(const Tile& tile);
+// The same from what encode_cloud_tile() packed (Tile::data); no bytes make an empty tile.
+Tile cloud_tile_of_packed(const TileKey& key, std::vector<std::uint8_t> packed, double resolution_m,
+                          std::int64_t revision, std::int64_t utime_us);
+
+// What a point, or too many of them, would be once encoded and decoded.
+ColouredPoint as_encoded(const TileKey& key, const ColouredPoint& point, double resolution_m);
+void thin_to_tile(std::vector<ColouredPoint>* points);
 
 }  // namespace fusion_slam

@@ -3,6 +3,7 @@
 // of their ids, so the result does not depend on when anything arrived. Not thread-safe.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -29,20 +30,35 @@ class BaseMap {
   std::vector<ColouredPoint> points(const TileKey& key) const;
   // Tiles of the cloud that hold points, and their packed content.
   const PackedCloud& clouds() const { return clouds_; }
+  // Packed content of the cubes that hold known voxels.
+  const PackedCubes& cubes() const { return cubes_; }
 
-  void forget_unpacked() { hot_.clear(); }  // memory for time
-  std::size_t size_bytes() const;           // of what is kept packed
+  void forget_unpacked() {  // memory for time
+    hot_.clear();
+    hot_clouds_.clear();
+  }
+  std::size_t size_bytes() const;  // of what is kept packed
 
  private:
+  // A tile of the cloud at work: its points and which voxels they are in.
+  struct OpenTile {
+    std::vector<ColouredPoint> points;
+    std::bitset<kOctomapTileVolume> taken;
+    bool changed = false;
+  };
+  using OpenTiles = std::map<TileKey, OpenTile>;
+  OpenTile& open(const TileKey& key, OpenTiles* tiles) const;
   void add_points(const std::vector<ColouredPoint>& points_submap, const SE3& T_map_submap,
-                  const std::set<TileKey>* only);
+                  const std::set<TileKey>* only, OpenTiles* tiles) const;
+  void pack(OpenTiles* tiles);
 
   double resolution_m_;
   double cloud_resolution_m_;
   StepBounds bounds_;
   PackedCubes cubes_;
   PackedCloud clouds_;
-  VoxelCubes hot_;  // unpacked, of cubes_
+  VoxelCubes hot_;                                            // unpacked, of cubes_
+  std::map<TileKey, std::vector<ColouredPoint>> hot_clouds_;  // of clouds_
 };
 
 // Where a point of tile `key` lies in its 32^3 voxels: 0 ... 32767; of clouds with this voxel size.

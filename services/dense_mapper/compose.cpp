@@ -112,4 +112,21 @@ void insert_touched(const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m,
       for (int z = a.z(); z <= b.z(); ++z) out->insert({x, y, z});
 }
 
+VoxelCubes unpack_touching(const PackedCubes& packed, const SE3& T_map_submap, double resolution_m,
+                           const std::set<CubeIndex>& wanted) {
+  const double edge_m = kOctomapTileVoxels * resolution_m;
+  const Eigen::Vector3d slack_m = Eigen::Vector3d::Constant(0.1 * resolution_m);  // of rounding
+  VoxelCubes cubes;
+  for (const auto& [index, bytes] : packed) {
+    const Eigen::Vector3d low_m = Eigen::Vector3d(index.x, index.y, index.z) * edge_m;
+    std::set<CubeIndex> touched;
+    insert_touched(low_m - slack_m, low_m + Eigen::Vector3d::Constant(edge_m) + slack_m,
+                   T_map_submap, edge_m, &touched);
+    if (std::any_of(touched.begin(), touched.end(),
+                    [&](const CubeIndex& cube) { return wanted.count(cube) != 0; }))
+      unpack_cells(bytes, &cube_at(&cubes, index));
+  }
+  return cubes;
+}
+
 }  // namespace fusion_slam

@@ -33,4 +33,9 @@ bool add_submap(const VoxelCubes& submap, const SE3& T_submap_map, const CubeInd
 void insert_touched(const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m,
                     const SE3& T_map_submap, double edge_map_m, std::set<CubeIndex>* out);
 
+// The packed cubes of a submap that may touch cubes of the map, `wanted`, unpacked: what
+// add_submap() looks at when it is asked for these.
+VoxelCubes unpack_touching(const PackedCubes& packed, const SE3& T_map_submap, double resolution_m,
+                           const std::set<CubeIndex>& wanted);
+
 }  // namespace fusion_slam

@@ -46,8 +46,11 @@ DenseMapper::Composed DenseMapper::compose(const std::set<CubeIndex>& cubes,
 void DenseMapper::publish_octomap(const Composed& composed, std::vector<Tile>* out) {
   for (const auto& [cube, cells] : composed) {
     const TileKey key{0, cube.x, cube.y, cube.z};
-    auto tile = octomap_tiles_.offer(
-        encode_octomap_tile(key, cells, robot_.map_resolution_m, 0, newest_us_));
+    // Where nothing lies over the base its packed content is the tile's.
+    const auto base = base_.cubes().find(cube);
+    const bool same = base != base_.cubes().end() && cells == base_.cells(cube);
+    auto tile = octomap_tiles_.offer(octomap_tile_of(key, same ? base->second : pack_cells(cells),
+                                                     robot_.map_resolution_m, 0, newest_us_));
     if (tile) out->push_back(std::move(*tile));
   }
 }
@@ -63,8 +66,13 @@ void DenseMapper::publish_clouds(const Composed& composed, std::vector<Tile>* ou
         const Eigen::Array3i corner(cube.x * kEdge, cube.y * kEdge, cube.z * kEdge);
         return is_ghost(cells, (voxel - corner).max(0).min(kEdge - 1));
       };
-      points.erase(std::remove_if(points.begin(), points.end(), ghost), points.end());
-      auto tile = cloud_tiles_.offer(encode_cloud_tile(key, points, resolution_m, 0, newest_us_));
+      const auto gone = std::remove_if(points.begin(), points.end(), ghost);
+      const auto base = base_.clouds().find(key);
+      const bool same = base != base_.clouds().end() && gone == points.end();
+      points.erase(gone, points.end());
+      auto tile = cloud_tiles_.offer(
+          same ? cloud_tile_of_packed(key, base->second, resolution_m, 0, newest_us_)
+               : encode_cloud_tile(key, points, resolution_m, 0, newest_us_));
       if (tile) out->push_back(std::move(*tile));
     }
   }

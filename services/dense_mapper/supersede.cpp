@@ -24,9 +24,13 @@ constexpr int kMostVisits = 6;  // what is left after each is asked for half as 
 // Counts, for each voxel of a cube, the submaps that know it: at most `most`.
 using Counts = std::array<std::uint8_t, kOctomapTileVolume>;
 
-CubeIndex cube_at_point(const Eigen::Vector3d& p_m, double resolution_m) {
-  const Eigen::Array3i voxel = (p_m / resolution_m).array().floor().cast<int>();
-  return {voxel.x() >> 5, voxel.y() >> 5, voxel.z() >> 5};
+// Of the voxel that a point is in; null outside.
+std::uint8_t* count_at(const ColouredPoint& point, double resolution_m,
+                       std::map<CubeIndex, Counts>* counts) {
+  const Eigen::Array3i v = (point.p_m.cast<double>() / resolution_m).array().floor().cast<int>();
+  const auto it = counts->find({v.x() >> 5, v.y() >> 5, v.z() >> 5});
+  if (it == counts->end()) return nullptr;
+  return &it->second[voxel_index(v.x() & 31, v.y() & 31, v.z() & 31)];
 }
 
 }  // namespace
@@ -56,26 +60,46 @@ bool drop_superseded(std::int64_t id, int keep, double resolution_m, double clou
   DenseSubmap& old = submaps->at(id);
   old.newer = 0;
   ++old.visits;
+  std::vector<ColouredPoint> points = unpack_cloud(old.packed_cloud, cloud_resolution_m);
   std::map<CubeIndex, Counts> counts;
-  for (const auto& [index, bytes] : old.packed) counts[index].fill(0);
+  VoxelCells cells;
+  for (const auto& [index, bytes] : old.packed) {  // a voxel that it doesn't know needs no count
+    unpack_cells(bytes, &cells);
+    Counts& count = counts[index];
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      count[i] = cells[i] == kUnknownVoxel ? static_cast<std::uint8_t>(keep) : 0;
+  }
+  for (const ColouredPoint& point : points)  // except for the points in it
+    if (std::uint8_t* count = count_at(point, resolution_m, &counts)) *count = 0;
+  std::map<CubeIndex, std::ptrdiff_t> open;  // voxels of each cube that too few newer ones know
+  std::set<CubeIndex> undecided;
+  for (const auto& [index, count] : counts) {
+    open[index] = std::count(count.begin(), count.end(), 0);
+    if (open[index] > 0) undecided.insert(index);
+  }
   // The newest first: they suffice almost everywhere.
   for (auto it = submaps->rbegin(); it != submaps->rend() && it->first > id; ++it) {
     const DenseSubmap& newer = it->second;
+    if (undecided.empty()) break;
     if (!newer.closed || !overlap(newer.touches, old.touches)) continue;
-    const VoxelCubes voxels = unpack_cubes(newer.packed);
     const SE3 T_newer_old = newer.T_map_submap.inverse() * old.T_map_submap;
+    const VoxelCubes voxels =
+        unpack_touching(newer.packed, T_newer_old.inverse(), resolution_m, undecided);
     VoxelCells known;
-    for (auto& [index, count] : counts) {
+    for (auto index = undecided.begin(); index != undecided.end();) {
       known.fill(kUnknownVoxel);
-      if (!add_submap(voxels, T_newer_old, index, resolution_m, {-127, 127}, SliceRange{}, &known))
-        continue;
-      for (std::size_t i = 0; i < known.size(); ++i)
-        if (known[i] != kUnknownVoxel && count[i] < keep) ++count[i];
+      std::ptrdiff_t& left = open.at(*index);
+      if (add_submap(voxels, T_newer_old, *index, resolution_m, {-127, 127}, SliceRange{},
+                     &known)) {
+        Counts& count = counts.at(*index);
+        for (std::size_t i = 0; i < known.size(); ++i)
+          if (known[i] != kUnknownVoxel && count[i] < keep && ++count[i] == keep) --left;
+      }
+      index = left == 0 ? undecided.erase(index) : std::next(index);
     }
   }
   PackedCubes packed;
   std::size_t dropped = 0;
-  VoxelCells cells;
   for (const auto& [index, bytes] : old.packed) {
     unpack_cells(bytes, &cells);
     const Counts& count = counts.at(index);
@@ -89,17 +113,12 @@ bool drop_superseded(std::int64_t id, int keep, double resolution_m, double clou
     if (!left.empty()) packed.emplace(index, std::move(left));
   }
   if (dropped == 0) return false;
-  std::vector<ColouredPoint> points = unpack_cloud(old.packed_cloud, cloud_resolution_m);
-  points.erase(
-      std::remove_if(points.begin(), points.end(),
-                     [&](const ColouredPoint& point) {
-                       const Eigen::Vector3d p_m = point.p_m.cast<double>();
-                       const auto it = counts.find(cube_at_point(p_m, resolution_m));
-                       if (it == counts.end()) return false;
-                       const Eigen::Array3i v = (p_m / resolution_m).array().floor().cast<int>();
-                       return it->second[voxel_index(v.x() & 31, v.y() & 31, v.z() & 31)] >= keep;
-                     }),
-      points.end());
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [&](const ColouredPoint& point) {
+                                const std::uint8_t* count = count_at(point, resolution_m, &counts);
+                                return count != nullptr && *count >= keep;
+                              }),
+               points.end());
   old.packed = std::move(packed);
   old.packed_cloud = pack_cloud(points, cloud_resolution_m);
   const std::set<CubeIndex> touched = touched_cubes(old, resolution_m);

@@ -91,6 +91,28 @@ TEST(Compose, BoxesTouchTheCubesOfTheirPoints) {
   }
 }
 
+// Unpacked or not, the cubes that can't be reached change nothing.
+TEST(Compose, OnlyCubesThatMayTouchAreUnpacked) {
+  const DenseSubmaps submaps = random_submaps(3);
+  std::size_t left_out = 0;
+  for (const auto& [id, submap] : submaps) {
+    const VoxelCubes all = unpack_cubes(submap.packed);
+    for (const CubeIndex& cube : submap.touches) {
+      const VoxelCubes some =
+          unpack_touching(submap.packed, submap.T_map_submap, kResolution, {cube});
+      left_out += all.size() - some.size();
+      VoxelCells of_all, of_some;
+      of_all.fill(kUnknownVoxel);
+      of_some.fill(kUnknownVoxel);
+      const SE3 T_submap_map = submap.T_map_submap.inverse();
+      add_submap(all, T_submap_map, cube, kResolution, kBounds, SliceRange{}, &of_all);
+      add_submap(some, T_submap_map, cube, kResolution, kBounds, SliceRange{}, &of_some);
+      EXPECT_TRUE(of_all == of_some);
+    }
+  }
+  EXPECT_GT(left_out, 0U);
+}
+
 TEST(BaseMap, ExtendingEqualsRebuilding) {
   const DenseSubmaps submaps = random_submaps(4);
   BaseMap grown(kResolution, kResolution / 2, kBounds);
@@ -109,6 +131,16 @@ TEST(BaseMap, ExtendingEqualsRebuilding) {
   EXPECT_GT(points, 1000U);
   EXPECT_EQ(grown.clouds(), built.clouds());
   EXPECT_EQ(grown.size_bytes(), built.size_bytes());
+  grown.forget_unpacked();
+  grown.rebuild({*cubes.begin()}, submaps, 100);
+  EXPECT_EQ(grown.clouds(), built.clouds());
+  EXPECT_EQ(grown.cubes(), built.cubes());
+  for (const auto& [key, bytes] : built.clouds()) {
+    const auto hot = built.points(key);
+    const auto unpacked = unpack_cloud({{key, bytes}}, kResolution / 2);
+    ASSERT_EQ(hot.size(), unpacked.size());
+    for (std::size_t i = 0; i < hot.size(); ++i) EXPECT_EQ(hot[i].p_m, unpacked[i].p_m);
+  }
   built.rebuild(cubes, submaps, 1);  // of none
   EXPECT_EQ(built.size_bytes(), 0U);
 }
