@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
 #include "libs/graph/edge_noise.hpp"
 #include "services/pose_graph/landmark_store.hpp"
@@ -74,7 +75,11 @@ struct PoseGraphConfig {
   // The whole graph is solved anew in a thread of its own; its answer is taken over when the
   // measurements are this much later, not before: the same place in every replay.
   std::int64_t meet_after_us = 1'000'000;
-  int switch_off_after = 2;  // whole solves in a row that a loop did not fit
+  // true: and waited for then, replays give the same bytes. false, on a robot: it is taken over
+  // when it is there; no pose ever waits for it.
+  bool wait_for_solver = true;
+  std::function<void()> solver_begins;  // tests: called in the solver's thread
+  int switch_off_after = 2;             // whole solves in a row that a loop did not fit
 
   std::size_t window_nodes = 20;   // newest nodes refined when the second sensor ties in
   std::size_t max_waiting = 4096;  // poses, nodes and loops that wait for a node that hasn't come

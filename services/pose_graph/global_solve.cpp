@@ -3,6 +3,7 @@
 #include "services/pose_graph/global_solve.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <utility>
 
@@ -48,6 +49,7 @@ void PoseGraph::start_global_solve(bool with_bundle) {
   background_->meet_us =
       newest_utime_us_ + (with_bundle ? config_.bundle.meet_after_us : config_.meet_after_us);
   background_->answer = std::async(std::launch::async, [question = std::move(question)]() mutable {
+    if (question.config.solver_begins) question.config.solver_begins();
     question.report =
         solve_graph(question.config, question.options, &question.nodes, &question.edges);
     if (question.bundle)
@@ -57,11 +59,14 @@ void PoseGraph::start_global_solve(bool with_bundle) {
   });
 }
 
-// At the meeting point, and not before, the answer is waited for: what happens does not depend on
-// how fast the thread was.
+// Not before the meeting point. There a replay waits for the answer, so what happens does not
+// depend on how fast the thread was; on a robot poses go on without it.
 void PoseGraph::meet_global_solve(bool now) {
   if (!background_) return;
   if (!now && newest_utime_us_ < background_->meet_us) return;
+  if (!now && !config_.wait_for_solver &&
+      background_->answer.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return;
   GlobalSolve answer = background_->answer.get();
   for (auto& [id, node] : answer.nodes)
     node.T_map_base = orthonormal(background_->T_now_then * node.T_map_base);

@@ -16,9 +16,15 @@ constexpr std::size_t kNodesPerPart = 400;          // 400 * 81 bytes: one datag
 constexpr std::int64_t kRevisionsPerComplete = 50;  // a listener that lost a message is whole again
 constexpr int kCompletePeriodMs = 1000;             // live: and one that started late, too
 
+PoseGraphConfig config_for(Mode mode) {
+  PoseGraphConfig config;
+  config.wait_for_solver = mode != Mode::kLive;  // a replay has no clock to keep
+  return config;
+}
+
 }  // namespace
 
-PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus) {
+PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus), graph_(config_for(bus.mode())) {
   const auto on = [this](auto method) {
     return [this, method](const auto& message) {
       follow_recovery();

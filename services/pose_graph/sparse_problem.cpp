@@ -116,18 +116,19 @@ void SparseProblem::make_pattern() {
     }
 
   // The scalar matrix's pattern: full 6x6 blocks, diagonal ones included whole.
-  H_.resize(6 * n, 6 * n);
+  Eigen::SparseMatrix<double>& H = equations_.H;
+  H.resize(6 * n, 6 * n);
   Eigen::VectorXi sizes(6 * n);
   for (int column = 0; column < n; ++column)
     sizes.segment<6>(6 * column)
         .setConstant(6 * static_cast<int>(by_column_[static_cast<std::size_t>(column)].size()));
-  H_.reserve(sizes);
+  H.reserve(sizes);
   for (int column = 0; column < n; ++column)
     for (int c = 0; c < 6; ++c)
       for (const int b : by_column_[static_cast<std::size_t>(column)])
         for (int r = 0; r < 6; ++r)
-          H_.insert(6 * positions_[static_cast<std::size_t>(b)].first + r, 6 * column + c) = 0.0;
-  H_.makeCompressed();
+          H.insert(6 * positions_[static_cast<std::size_t>(b)].first + r, 6 * column + c) = 0.0;
+  H.makeCompressed();
   gradient_.resize(6 * n);
 }
 
@@ -216,7 +217,7 @@ void SparseProblem::add_part(const Poses& poses) {
 }
 
 void SparseProblem::fill(double damping) {
-  double* value = H_.valuePtr();
+  double* value = equations_.H.valuePtr();
   for (std::size_t column = 0; column < by_column_.size(); ++column)
     for (int c = 0; c < 6; ++c)
       for (const int b : by_column_[column]) {
@@ -237,10 +238,8 @@ double SparseProblem::minimise(double mu, int max_iterations, Poses* poses, int*
   for (int i = 0; i < max_iterations; ++i) {
     ++*iterations;
     fill(damping);
-    if (!analysed_) cholesky_.analyzePattern(H_);
-    analysed_ = true;
-    cholesky_.factorize(H_);
-    if (cholesky_.info() != Eigen::Success) {
+    Eigen::VectorXd step;
+    if (!equations_.solve(gradient_, &step)) {
       damping = std::max(1e-3, 10.0 * damping);
       if (damping > kMostDamping) {
         *usable = false;
@@ -248,7 +247,6 @@ double SparseProblem::minimise(double mu, int max_iterations, Poses* poses, int*
       }
       continue;
     }
-    const Eigen::VectorXd step = cholesky_.solve(gradient_);
     Poses next = *poses;
     std::vector<Vector6d> steps(next.size());
     for (std::size_t v = 0; v < next.size(); ++v) {

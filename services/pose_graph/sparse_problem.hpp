@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
 #include "services/pose_graph/config.hpp"
 #include "services/pose_graph/eliminated_part.hpp"
 #include "services/pose_graph/graph_solver.hpp"
 #include "services/pose_graph/graph_types.hpp"
+#include "services/pose_graph/normal_equations.hpp"
 
 namespace fusion_slam {
 
@@ -26,6 +26,8 @@ class SparseProblem {
   // Of a node; -1: it stands still.
   int variable_of(const NodeId& id) const;
   int n_variables() const { return static_cast<int>(variables_.size()); }
+  // For the tests: most work a factorisation may be (normal_equations.hpp).
+  void set_most_work(double multiplications) { equations_.most_work = multiplications; }
   // Before the first minimise(); must outlive it. Its cost is part of the whole.
   void attach(EliminatedPart* part) { part_ = part; }
 
@@ -80,10 +82,7 @@ class SparseProblem {
   std::vector<int> diagonal_;                // variable -> block
   std::vector<std::vector<int>> by_column_;  // blocks of a column place, by row
   Eigen::VectorXd gradient_;                 // by place
-  Eigen::SparseMatrix<double> H_;
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
-      cholesky_;
-  bool analysed_ = false;
+  NormalEquations equations_;
 };
 
 }  // namespace fusion_slam

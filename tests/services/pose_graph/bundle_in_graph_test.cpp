@@ -1,4 +1,6 @@
 // Global bundle adjustment as a part of the pose graph: when it is asked for, where it is met.
+#include <future>
+
 #include <gtest/gtest.h>
 
 #include "services/pose_graph/pose_graph.hpp"
@@ -64,6 +66,31 @@ TEST(BundleInGraph, ALoopOfTheCameraBringsItAndTheRestFollows) {
   graph.finish();
   EXPECT_GE(graph.counts().bundles, 1) << graph.last_bundle().reason;
   EXPECT_EQ(graph.counts().bundles_refused, 0);
+  EXPECT_LT(drive.room.worst_m(graph.nodes()), 0.06);
+}
+
+// However long it takes: poses and nodes go on, and the answer is taken over when it is there.
+TEST(BundleInGraph, OnARobotNothingWaitsForIt) {
+  const Drive drive{MadeUpRoom(kKeyframes, 500, 0.01, 0.004, 1), 30};
+  std::promise<void> go;
+  PoseGraphConfig config;
+  config.wait_for_solver = false;
+  config.solver_begins = [gone = go.get_future().share()] { gone.wait(); };
+  PoseGraph graph(config);
+  graph.set_robot(robot(drive.room, true));
+  graph.set_camera(drive.room.question.camera);
+  for (std::size_t k = 0; k < 38; ++k) graph.add_node(drive.keyframe(k));
+  graph.add_loop(drive.loop(1, 37));
+  for (std::size_t k = 38; k < kKeyframes; ++k) {
+    NodeInput late = drive.keyframe(k);
+    late.utime_us += 60'000'000;  // far beyond the meeting point
+    graph.add_node(late);
+  }
+  EXPECT_EQ(graph.nodes().size(), kKeyframes);
+  EXPECT_EQ(graph.counts().bundles + graph.counts().bundles_refused, 0) << "nobody let it begin";
+  go.set_value();
+  graph.finish();
+  EXPECT_GE(graph.counts().bundles, 1) << graph.last_bundle().reason;
   EXPECT_LT(drive.room.worst_m(graph.nodes()), 0.06);
 }
 

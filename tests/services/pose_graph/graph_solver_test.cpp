@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "services/pose_graph/sparse_problem.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -204,6 +206,35 @@ TEST(GraphSolver, WhatAScanCannotSeeIsPinnedOrFree) {
   e.kind = EdgeKind::kVisual;
   EXPECT_DOUBLE_EQ(effective_covariance(config.noise, e, true)(0, 2),
                    1e-4 * config.noise.visual_optimism);
+}
+
+// Everything seen from everywhere: each node has an edge to each third other.
+TEST(SparseProblem, ConjugateGradientsFindWhatCholeskyFinds) {
+  Truth truth = square(8, 0.02, 0.01, 5);
+  const auto n = static_cast<std::int64_t>(truth.poses.size());
+  for (std::int64_t a = 1; a <= n; ++a)
+    for (std::int64_t b = a + 2; b <= n; b += 3)
+      truth.edges.push_back(edge(a % 2 == 0 ? EdgeKind::kLoop : EdgeKind::kVisual, a, b,
+                                 truth.poses[a - 1].inverse() * truth.poses[b - 1]));
+  SolveOptions options;
+  options.anchor = keyframe(1);
+  const PoseGraphConfig config;
+  std::vector<GraphNodes> nodes;
+  std::vector<double> costs;
+  for (const double most_work : {1e12, 0.0}) {
+    SparseProblem problem(config, options, truth.nodes, truth.edges);
+    problem.set_most_work(most_work);
+    Poses poses = problem.start();
+    int iterations = 0;
+    bool usable = true;
+    costs.push_back(problem.minimise(1.0, 30, &poses, &iterations, &usable));
+    EXPECT_TRUE(usable);
+    nodes.push_back(truth.nodes);
+    problem.write_back(poses, &nodes.back());
+  }
+  EXPECT_NEAR(costs[1], costs[0], 1e-6 * costs[0]);
+  for (const auto& [id, node] : nodes[0])
+    EXPECT_LT((node.T_map_base.inverse() * nodes[1].at(id).T_map_base).translation().norm(), 1e-5);
 }
 
 }  // namespace
