@@ -43,6 +43,12 @@ void Bus::subscribe_raw(const std::string& channel, std::uint64_t fingerprint, P
       }));
 }
 
+void Bus::never_await(const std::set<std::string>& channels) {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  for (auto& channel : impl_->inbox.channels())
+    if (channels.count(channel.name) != 0) channel.awaited = false;
+}
+
 void Bus::listen_raw(const std::string& channel, std::uint64_t fingerprint, Decode decode) {
   impl_->listen(channel, builtin_schema().find(fingerprint), std::move(decode));
 }

@@ -54,6 +54,12 @@ class Bus {
   void subscribe(const std::string& channel, Policy policy,
                  std::function<void(const Message&)> handler);
 
+  // Live: no message waits until these channels have spoken of its time, too. For those that answer
+  // what this process says (nothing of a time can come that it has not handled), those whose sender
+  // says them before others of the same time, and those whose order does not matter. Before run(),
+  // after subscribe().
+  void never_await(const std::set<std::string>& channels);
+
   // Sends a message; fills `seq` when the type has one. May be called from any thread.
   template <class Message>
   void publish(const std::string& channel, Message message);

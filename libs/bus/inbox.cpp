@@ -12,6 +12,8 @@ constexpr std::size_t kRepeatMemory = 256;  // as the replay's (logplayer/replay
 // A channel that has been silent for longer than this is not waited for.
 constexpr std::int64_t kSilent_us = 500'000;
 
+constexpr std::int64_t kJitterPart = 6;  // of merge_wait_us: how much a channel's lag may vary
+
 std::int64_t count_for(const std::map<std::string, std::int64_t>& counts,
                        const std::string& channel) {
   const auto it = counts.find(channel);
@@ -28,6 +30,7 @@ std::size_t Inbox::add_channel(const std::string& name, Policy policy, bool has_
   channel.name = name;
   channel.has_seq = has_seq;
   channel.policy = mode_ == Mode::kLive ? policy : Policy::kKeepAll;
+  channel.awaited = policy == Policy::kKeepAll;
   channel.sequence = SequenceTracker(mode_ != Mode::kLive);
   channels_.push_back(std::move(channel));
   return channels_.size() - 1;
@@ -59,6 +62,7 @@ bool Inbox::push(InboxItem item) {
   counters.bytes += static_cast<std::int64_t>(item.bytes.size());
   channel.newest_utime_us = std::max(channel.newest_utime_us, item.utime_us);
   channel.newest_arrival_us = item.arrival_us;
+  channel.lag_us = item.arrival_us - item.utime_us;
   if (!channel.has_seq) item.seq = counters.received;
   if (channel.policy == Policy::kLatestOnly) {
     counters.dropped += static_cast<std::int64_t>(channel.queue.size());
@@ -81,9 +85,14 @@ bool Inbox::push(InboxItem item) {
 
 bool Inbox::may_go(const InboxItem& item, std::int64_t now_us) const {
   if (mode_ == Mode::kThroughput || now_us - item.arrival_us >= merge_wait_us_) return true;
+  const std::int64_t waited_us = now_us - item.arrival_us;
   for (const Channel& other : channels_) {
     const bool speaks = now_us - other.newest_arrival_us < kSilent_us && other.newest_utime_us > 0;
-    if (speaks && other.newest_utime_us < item.utime_us) return false;
+    if (!other.awaited || !speaks || other.newest_utime_us >= item.utime_us) continue;
+    // When its message of the same time would be here, counted from this one's arrival.
+    const std::int64_t later_us = other.lag_us - (item.arrival_us - item.utime_us);
+    if (later_us <= merge_wait_us_ && waited_us < later_us + merge_wait_us_ / kJitterPart)
+      return false;
   }
   return true;
 }

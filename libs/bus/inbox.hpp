@@ -49,8 +49,11 @@ class Inbox {
   bool push(InboxItem item);
 
   // Live and throughput: the oldest message (by utime, then channel) that may be handled at now_us:
-  // every other channel that has spoken lately has something newer, or it has waited for
-  // merge_wait_us.
+  // every other channel that has spoken lately has something newer, or it has waited as long as
+  // that channel's messages take longer from measurement to arrival than this one did (and a sixth
+  // of merge_wait_us for their jitter), at most merge_wait_us. A channel that takes longer than
+  // that is not waited for: its messages of this time can't come in time. Nor is one of which only
+  // the newest counts.
   std::optional<InboxItem> pop(std::int64_t now_us);
 
   // Lockstep: true when all messages up to these counts are here (channels not subscribed are
@@ -84,7 +87,10 @@ class Inbox {
     InboxCounters counters;
     std::int64_t newest_utime_us = 0;
     std::int64_t newest_arrival_us = 0;
+    std::int64_t lag_us =
+        0;  // of the latest message: arrival - utime; only differences mean anything
     bool has_seq = false;
+    bool awaited = true;  // live: others wait for its messages of their time
     // Of a channel without seq, replay modes:
     std::int64_t expected = 0;  // messages sent, as last heard
     std::int64_t whole = 0;     // all of the first so many have arrived

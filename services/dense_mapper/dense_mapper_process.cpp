@@ -28,6 +28,7 @@ DenseMapperProcess::DenseMapperProcess(Bus& bus)
   bus.subscribe<graph_t>("GRAPH", Policy::kKeepAll, [this](const graph_t& m) { on_graph(m); });
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                            [this](const command_t& m) { on_command(m); });
+  bus.never_await({"KEYFRAME_IMAGE", "GRAPH", "COMMAND"});  // the order does not matter
   // An earlier process's images are mapped again at once where the graph has their keyframes now:
   // so the journal is read when the graph is known, and none waits in memory for its pose.
   bus.keep_in_journal({"KEYFRAME_IMAGE", "COMMAND"}, Bus::Recover::kWhenAsked);

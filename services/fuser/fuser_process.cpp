@@ -18,6 +18,7 @@ FuserProcess::FuserProcess(Bus& bus)
                                               [this](const Tile& tile) { on_tile(tile, false); });
   visual_in_ = std::make_unique<TileReceiver>(bus, "GRID_VISUAL",
                                               [this](const Tile& tile) { on_tile(tile, true); });
+  bus.never_await({"SUBMAP", "GRID_VISUAL", "GRAPH", "COMMAND"});  // the order does not matter
   bus.keep_in_journal({"ROBOT_MODEL"});  // tiles and graph come again from who made them
   bus.set_state_text("waiting for ROBOT_MODEL");
 }

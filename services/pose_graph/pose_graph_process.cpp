@@ -61,6 +61,10 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus), graph_(config_for(bus.
   };
   bus.subscribe<pose_estimate_t>("VISUAL_POSE", Policy::kKeepAll, on_pose_of(NodeKind::kKeyframe));
   bus.subscribe<pose_estimate_t>("LIDAR_POSE", Policy::kKeepAll, on_pose_of(NodeKind::kLidar));
+  // Nodes come before the poses of their time, from the same tracker; what is missing is waited for
+  // where it is needed; and POSE must not wait for the slower sensor.
+  bus.never_await(
+      {"KEYFRAME", "LIDAR_NODE", "VISUAL_POSE", "LIDAR_POSE", "CONSTRAINT", "LEVEL", "COMMAND"});
   if (bus.mode() == Mode::kLive)
     bus.every(kCompletePeriodMs, [this] {
       follow_recovery();

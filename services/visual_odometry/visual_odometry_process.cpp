@@ -51,6 +51,7 @@ VisualOdometryProcess::VisualOdometryProcess(Bus& bus, VisualOdometryConfig conf
                                      [this](const bot_core::images_t& m) { on_camera(m); });
   bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                             [this](const command_t& m) { on_command(m); });
+  bus_.never_await({"GRAPH", "LIDAR_POSE"});  // they are made of our poses
   bus_.keep_in_journal({"CAMERA_MODEL", "ROBOT_MODEL"});
   // Both are written before they are sent: who asks for them after a crash gets them.
   bus_.keep_said<keyframe_t>("KEYFRAME", [this](const keyframe_t& m) { on_earlier_keyframe(m); });

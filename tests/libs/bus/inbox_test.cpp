@@ -60,6 +60,35 @@ TEST(Inbox, MergesByMeasurementTimeWithABoundedWait) {
   EXPECT_EQ(inbox.channels()[b].counters.late, 1);
 }
 
+// A scan arrives 100 us after its first beam.
+TEST(Inbox, WaitsOnlyForWhatCanComeInTime) {
+  Inbox inbox(Mode::kLive, 10, 30);
+  const auto camera = inbox.add_channel("CAMERA", Policy::kKeepAll, true);
+  const auto scan = inbox.add_channel("LIDAR", Policy::kKeepAll, true);
+  inbox.push(item(scan, 1000, 1, 1100));
+  ASSERT_TRUE(inbox.pop(1130));
+  inbox.push(item(camera, 1133, 1, 1135));
+  EXPECT_EQ(inbox.pop(1135)->utime_us, 1133) << "a scan of 1133 would come at 1233: too late";
+  inbox.push(item(scan, 1100, 2, 1200));
+  EXPECT_EQ(inbox.pop(1200)->utime_us, 1100) << "a frame of 1100 would be here";
+}
+
+TEST(Inbox, WaitsAsLongAsTheOtherChannelTakes) {
+  Inbox inbox(Mode::kLive, 10, 30);
+  const auto pose = inbox.add_channel("VISUAL_POSE", Policy::kKeepAll, true);
+  const auto keyframe = inbox.add_channel("KEYFRAME", Policy::kKeepAll, true);
+  inbox.push(item(keyframe, 1000, 1, 1022));
+  ASSERT_TRUE(inbox.pop(1060));
+  inbox.push(item(pose, 1033, 1, 1043));
+  EXPECT_FALSE(inbox.pop(1050)) << "a keyframe of 1033 may come at 1055";
+  inbox.push(item(keyframe, 1033, 2, 1056));
+  EXPECT_EQ(inbox.pop(1057)->channel, pose);
+  EXPECT_EQ(inbox.pop(1057)->channel, keyframe);
+  inbox.push(item(pose, 1066, 2, 1076));
+  EXPECT_FALSE(inbox.pop(1093));
+  EXPECT_EQ(inbox.pop(1095)->utime_us, 1066) << "13 later than the pose, and 5 for jitter: none";
+}
+
 TEST(Inbox, LockstepTakesCanonicalOrderWhateverTheArrival) {
   std::vector<InboxItem> arrivals;
   for (int i = 1; i <= 6; ++i) arrivals.push_back(item(0, 10 * (i / 2), i));
