@@ -68,17 +68,14 @@ void BaseMap::extend(const DenseSubmap& submap) {
 
 void BaseMap::rebuild(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,
                       std::int64_t upto) {
+  rebuild_cells(cubes, submaps, upto);
+  rebuild_points(cubes, submaps, upto);
+}
+
+void BaseMap::rebuild_cells(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,
+                            std::int64_t upto) {
   VoxelCubes sums;
-  std::set<TileKey> tiles;
-  for (const CubeIndex& index : cubes) {
-    cube_at(&sums, index);
-    for (const TileKey& key : cloud_tiles_of(index)) {
-      tiles.insert(key);
-      clouds_.erase(key);
-      hot_clouds_.erase(key);
-    }
-  }
-  OpenTiles open_tiles;
+  for (const CubeIndex& index : cubes) cube_at(&sums, index);
   for (const auto& [id, submap] : submaps) {
     if (id >= upto || !submap.closed) continue;
     std::vector<CubeIndex> wanted;
@@ -91,10 +88,7 @@ void BaseMap::rebuild(const std::set<CubeIndex>& cubes, const DenseSubmaps& subm
     for (const CubeIndex& index : wanted)
       add_submap(voxels, T_submap_map, index, resolution_m_, bounds_, SliceRange{},
                  sums.at(index).get());
-    add_points(points_touching(submap, cloud_resolution_m_, tiles), submap.T_map_submap, &tiles,
-               &open_tiles);
   }
-  pack(&open_tiles);
   for (auto& [index, cells] : sums) {
     PackedBytes bytes = pack_cells(*cells);
     bytes.shrink_to_fit();
@@ -104,6 +98,26 @@ void BaseMap::rebuild(const std::set<CubeIndex>& cubes, const DenseSubmaps& subm
       cubes_[index] = std::move(bytes);
   }
   hot_.clear();
+}
+
+void BaseMap::rebuild_points(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,
+                             std::int64_t upto) {
+  std::set<TileKey> tiles;
+  for (const CubeIndex& index : cubes)
+    for (const TileKey& key : cloud_tiles_of(index)) {
+      tiles.insert(key);
+      clouds_.erase(key);
+      hot_clouds_.erase(key);
+    }
+  OpenTiles open_tiles;
+  for (const auto& [id, submap] : submaps) {
+    if (id >= upto || !submap.closed) continue;
+    if (std::any_of(submap.touches.begin(), submap.touches.end(),
+                    [&cubes](const CubeIndex& index) { return cubes.count(index) != 0; }))
+      add_points(points_touching(submap, cloud_resolution_m_, tiles), submap.T_map_submap, &tiles,
+                 &open_tiles);
+  }
+  pack(&open_tiles);
 }
 
 BaseMap::OpenTile& BaseMap::open(const TileKey& key, OpenTiles* tiles) const {

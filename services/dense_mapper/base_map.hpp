@@ -22,6 +22,11 @@ class BaseMap {
   void extend(const DenseSubmap& submap);
   // These cubes have changed below: composed anew, of all closed submaps with id < upto.
   void rebuild(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps, std::int64_t upto);
+  // The same in two steps, voxels and points. Both are to be done before the next extend().
+  void rebuild_cells(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,
+                     std::int64_t upto);
+  void rebuild_points(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,
+                      std::int64_t upto);
 
   // All unknown where nothing is. The reference is valid until the next call of a non-const
   // function.

@@ -149,7 +149,8 @@ DenseTiles DenseMapper::update_grid(bool exact) {
   if (exact || graph_us_ >= placed_us_ + config_.moved_period_us)
     maps_due_ |=
         place_submaps(exact ? kExactSlackM : config_.slack_voxels * robot_.map_resolution_m);
-  if (!dirty_base_.empty()) base_.rebuild(dirty_base_, submaps_, base_upto_);
+  if (!dirty_base_.empty()) base_.rebuild_cells(dirty_base_, submaps_, base_upto_);
+  dirty_points_.merge(dirty_base_);
   dirty_base_.clear();
   fresh_keyframes_ = 0;
   grid_is_late_ = false;
@@ -159,6 +160,8 @@ DenseTiles DenseMapper::update_grid(bool exact) {
 }
 
 DenseTiles DenseMapper::update_maps() {
+  if (!dirty_points_.empty()) base_.rebuild_points(dirty_points_, submaps_, base_upto_);
+  dirty_points_.clear();
   maps_due_ |= close_full_submaps();
   DenseTiles tiles;
   if (!maps_due_) return tiles;

@@ -121,16 +121,17 @@ class DenseMapper {
   bool levelled_ = false;          // once, at least
   std::optional<LevelWish> wish_;  // that hasn't come true yet
   bool floor_seen_ = false;
-  bool grid_is_late_ = false;        // the level came, the grid hasn't been composed since
-  std::size_t level_keyframes_ = 0;  // behind the latest estimate
-  int fresh_keyframes_ = 0;          // since the last update()
-  bool maps_due_ = false;            // OctoMap and cloud, too
-  bool finishing_ = false;           // the last update_grid() was exact: nothing stays open
-  std::set<CubeIndex> dirty_cubes_;  // OctoMap and cloud to be composed again
-  std::set<CubeIndex> dirty_base_;   // below them a submap moved
-  Columns dirty_columns_;            // raster
-  ColumnRasters columns_;            // the band of the map, seen from above
-  TiledGrid grid_;                   // as published
+  bool grid_is_late_ = false;         // the level came, the grid hasn't been composed since
+  std::size_t level_keyframes_ = 0;   // behind the latest estimate
+  int fresh_keyframes_ = 0;           // since the last update()
+  bool maps_due_ = false;             // OctoMap and cloud, too
+  bool finishing_ = false;            // the last update_grid() was exact: nothing stays open
+  std::set<CubeIndex> dirty_cubes_;   // OctoMap and cloud to be composed again
+  std::set<CubeIndex> dirty_base_;    // below them a submap moved
+  std::set<CubeIndex> dirty_points_;  // of these the base's voxels have followed already
+  Columns dirty_columns_;             // raster
+  ColumnRasters columns_;             // the band of the map, seen from above
+  TiledGrid grid_;                    // as published
   ChangedTiles octomap_tiles_;
   ChangedTiles cloud_tiles_;
   ChangedTiles grid_tiles_;

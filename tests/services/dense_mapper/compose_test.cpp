@@ -145,6 +145,30 @@ TEST(BaseMap, ExtendingEqualsRebuilding) {
   EXPECT_EQ(built.size_bytes(), 0U);
 }
 
+TEST(BaseMap, RebuildingAPartInTwoStepsEqualsRebuildingAll) {
+  DenseSubmaps submaps = random_submaps(5);
+  BaseMap map(kResolution, kResolution / 2, kBounds);
+  std::set<CubeIndex> all;
+  for (const auto& [id, submap] : submaps) {
+    map.extend(submap);
+    all.insert(submap.touches.begin(), submap.touches.end());
+  }
+  DenseSubmap& moved = submaps.at(2);
+  std::set<CubeIndex> changed(moved.touches.begin(), moved.touches.end());
+  moved.T_map_submap = from_xyz_rpy(1.7, 0.4, 0.1, 0.0, 0.1, 1.9);
+  const std::set<CubeIndex> touched = touched_cubes(moved, kResolution);
+  moved.touches.assign(touched.begin(), touched.end());
+  changed.insert(touched.begin(), touched.end());
+  all.insert(touched.begin(), touched.end());
+  map.rebuild_cells(changed, submaps, 100);
+  map.rebuild_points(changed, submaps, 100);
+  BaseMap fresh(kResolution, kResolution / 2, kBounds);
+  for (const auto& [id, submap] : submaps) fresh.extend(submap);
+  EXPECT_LT(changed.size(), all.size());
+  EXPECT_EQ(map.clouds(), fresh.clouds());
+  EXPECT_EQ(map.cubes(), fresh.cubes());
+}
+
 TEST(BaseMap, OnePointAVoxelAndEachInItsTile) {
   DenseSubmaps submaps = random_submaps(2);
   BaseMap map(kResolution, kResolution / 2, kBounds);
