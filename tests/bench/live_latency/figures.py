@@ -62,19 +62,17 @@ class Session:
         camera's tile, or a newer one. None when the revision changes no cell that would show it."""
         visual = self.of_key["GRID_VISUAL"][key]
         at = next(i for i, (_, x) in enumerate(visual) if x.revision == revision)
-        shows = False
+        before = visual[at - 1][1] if at else None
         for t, x in self.of_key["GRID_FUSED"][key]:
             if t < visual[at][0]:
                 continue
             lidar = [y for u, y in self.of_key["GRID_LIDAR"][key] if u <= t]
             cells = lidar[-1].data if lidar and lidar[-1].encoding != EMPTY else bytes(CELLS)
-            for i in range(len(visual) - 1, at - 1, -1):
-                if visual[i][0] > t:
-                    continue
-                says = says_so(x, visual[i][1], visual[at - 1][1] if at else None, cells)
-                if says:
-                    return t
-                shows = shows or says is not None
+            says = [says_so(x, y, before, cells) for u, y in visual[at:] if u <= t]
+            if says[0] is None:
+                return None
+            if any(says):
+                return t
         return None
 
     def keyframes(self):
