@@ -76,8 +76,9 @@ LocalizerProcess::LocalizerProcess(Bus& bus, const std::filesystem::path& map_di
                                 [this](const camera_model_t& m) { on_camera_model(m); });
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                            [this](const command_t& m) { on_command(m); });
-  // A tracker says its node before the pose of the same time.
-  bus.never_await({"KEYFRAME", "LIDAR_NODE", "COMMAND"});
+  // A tracker says its node before the pose of the same time; POSE must not wait for the slower
+  // sensor.
+  bus.never_await({"KEYFRAME", "LIDAR_NODE", "VISUAL_POSE", "LIDAR_POSE", "COMMAND"});
   if (bus.mode() == Mode::kLive)  // for who listens late
     bus.every(1000, [this] {
       publish_all_nodes();
