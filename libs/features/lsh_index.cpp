@@ -29,35 +29,34 @@ std::uint32_t LshIndex::key(const Table& table, const Descriptor& descriptor) {
 }
 
 void LshIndex::add(const Descriptor& descriptor, int label) {
-  auto number = static_cast<std::uint32_t>(entries_.size());
-  if (free_.empty()) {
-    entries_.emplace_back();
-    next_.resize(next_.size() + tables_.size(), kNone);
-  } else {
-    number = free_.back();
-    free_.pop_back();
-    reused_ = true;
-  }
-  const auto [of_label, is_first] = of_label_.emplace(label, number);
-  entries_[number] = {descriptor, label, is_first ? kNone : of_label->second};
-  of_label->second = number;
-  for (std::size_t t = 0; t < tables_.size(); ++t)
-    next(number, t) = std::exchange(tables_[t].first[key(tables_[t], descriptor)], number);
+  entries_.push_back({descriptor, label});
+  ++n_of_label_[label];
+  link(static_cast<std::uint32_t>(entries_.size() - 1));
+}
+
+void LshIndex::link(std::uint32_t number) {
+  for (Table& table : tables_)
+    next_.push_back(std::exchange(table.first[key(table, entries_[number].descriptor)], number));
 }
 
 void LshIndex::remove(int label) {
-  const auto of_label = of_label_.find(label);
-  if (of_label == of_label_.end()) return;
-  for (std::uint32_t number = of_label->second; number != kNone;
-       number = entries_[number].next_of_label) {
-    for (std::size_t t = 0; t < tables_.size(); ++t) {
-      std::uint32_t* link = &tables_[t].first[key(tables_[t], entries_[number].descriptor)];
-      while (*link != number) link = &next(*link, t);
-      *link = next(number, t);
-    }
-    free_.push_back(number);
-  }
-  of_label_.erase(of_label);
+  const auto known = n_of_label_.find(label);
+  if (known == n_of_label_.end()) return;
+  n_removed_ += known->second;
+  n_of_label_.erase(known);
+  removed_.insert(label);
+  if (4 * n_removed_ > entries_.size()) clean_up();
+}
+
+void LshIndex::clean_up() {
+  entries_.erase(std::remove_if(entries_.begin(), entries_.end(),
+                                [this](const Entry& e) { return removed_.count(e.label) > 0; }),
+                 entries_.end());
+  removed_.clear();
+  n_removed_ = 0;
+  next_.clear();
+  for (Table& table : tables_) std::fill(table.first.begin(), table.first.end(), kNone);
+  for (std::uint32_t number = 0; number < entries_.size(); ++number) link(number);
 }
 
 std::vector<LshIndex::Near> LshIndex::near(const Descriptor& query, int max_distance) const {
@@ -65,13 +64,11 @@ std::vector<LshIndex::Near> LshIndex::near(const Descriptor& query, int max_dist
   for (std::size_t t = 0; t < tables_.size(); ++t)
     for (std::uint32_t number = tables_[t].first[key(tables_[t], query)]; number != kNone;
          number = next_[number * tables_.size() + t])
-      if (hamming(entries_[number].descriptor, query) <= max_distance) found.push_back(number);
+      if (hamming(entries_[number].descriptor, query) <= max_distance &&
+          (removed_.empty() || removed_.count(entries_[number].label) == 0))
+        found.push_back(number);
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  if (reused_)
-    std::stable_sort(found.begin(), found.end(), [this](std::uint32_t a, std::uint32_t b) {
-      return entries_[a].label < entries_[b].label;
-    });
   std::vector<Near> result;
   result.reserve(found.size());
   for (const std::uint32_t number : found)

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "libs/features/feature.hpp"
@@ -19,17 +20,17 @@ class LshIndex {
 
   // `label` is handed back by near(); labels may repeat.
   void add(const Descriptor& descriptor, int label);
-  // All descriptors of the label are gone and their room is used again.
+  // All descriptors of the label are gone; their room is given back when they are a quarter of all.
+  // Labels that are removed may not come again.
   void remove(int label);
-  std::size_t size() const { return entries_.size() - free_.size(); }
+  std::size_t size() const { return entries_.size() - n_removed_; }
 
   struct Near {
     int label = 0;
     int distance = 0;
   };
   // Entries within max_distance that share a bucket with the query in at least one table, each
-  // once, in the order they were added (by label, once any was removed). Misses some; never wrong
-  // about the distance.
+  // once, in the order they were added. Misses some; never wrong about the distance.
   std::vector<Near> near(const Descriptor& query, int max_distance) const;
 
  private:
@@ -37,7 +38,6 @@ class LshIndex {
   struct Entry {
     Descriptor descriptor;
     int label = 0;
-    std::uint32_t next_of_label = kNone;
   };
   struct Table {
     std::vector<int> bits;
@@ -45,16 +45,15 @@ class LshIndex {
   };
   static std::uint32_t key(const Table& table, const Descriptor& descriptor);
 
-  std::uint32_t& next(std::uint32_t number, std::size_t table) {
-    return next_[number * tables_.size() + table];
-  }
+  void link(std::uint32_t number);
+  void clean_up();
 
   std::vector<Table> tables_;
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> next_;  // in the bucket, by entry and table
-  std::vector<std::uint32_t> free_;  // entries of labels that were removed
-  std::map<int, std::uint32_t> of_label_;
-  bool reused_ = false;  // numbers no longer tell the order
+  std::map<int, std::size_t> n_of_label_;
+  std::set<int> removed_;  // labels whose entries are still here, n_removed_ of them
+  std::size_t n_removed_ = 0;
 };
 
 }  // namespace fusion_slam

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <tuple>
 
 #include "libs/graph/edge_noise.hpp"
 
@@ -36,7 +37,7 @@ void GraphUncertainty::add_edge(const NodeId& from, const NodeId& to, const SE3&
   if (length < 0.0) return;
   const int a = index_of(from);
   const int b = index_of(to);
-  put({a, b, T_from_to, covariance, length, is_loop});
+  put({a, b, T_from_to, covariance, length, is_loop ? EdgeIs::kLoop : EdgeIs::kLasting});
 }
 
 void GraphUncertainty::put(const Edge& edge) {
@@ -68,49 +69,86 @@ void GraphUncertainty::remove_loops(const NodeId& from, const NodeId& to) {
   const std::vector<int> all = neighbours_[static_cast<std::size_t>(a->second)];
   for (const int e : all) {
     const Edge& edge = edges_[static_cast<std::size_t>(e)];
-    if (edge.is_loop && edge.from == a->second && edge.to == b->second) remove(e);
+    if (edge.is == EdgeIs::kLoop && edge.from == a->second && edge.to == b->second) remove(e);
+  }
+}
+
+std::map<int, GraphUncertainty::Spoke> GraphUncertainty::take_out(int node) {
+  std::map<int, Spoke> spokes;
+  const std::vector<int> all = neighbours_[static_cast<std::size_t>(node)];
+  for (const int e : all) {
+    Edge edge = edges_[static_cast<std::size_t>(e)];
+    remove(e);
+    if (edge.from == node)
+      edge = {edge.to,
+              node,
+              edge.T_from_to.inverse(),
+              inverse_covariance(edge.covariance, edge.T_from_to),
+              edge.length,
+              edge.is};
+    Spoke& spoke = spokes.try_emplace(edge.from, Spoke{edge, false}).first->second;
+    if (edge.length < spoke.edge.length) spoke.edge = edge;
+    spoke.lasting = spoke.lasting || edge.is == EdgeIs::kLasting;
+  }
+  return spokes;
+}
+
+GraphUncertainty::Edge GraphUncertainty::through(const Edge& a, const Edge& b, EdgeIs is) {
+  const SE3 T_gone_b = b.T_from_to.inverse();
+  return {a.from,
+          b.from,
+          a.T_from_to * T_gone_b,
+          chained_covariance(a.covariance, T_gone_b, inverse_covariance(b.covariance, b.T_from_to)),
+          a.length + b.length,
+          is};
+}
+
+// What edges that last had tied to the node stays tied to each other, at the nearest of them.
+void GraphUncertainty::hold_together(const std::map<int, Spoke>& spokes,
+                                     std::vector<Edge>* added) const {
+  const Spoke* nearest = nullptr;
+  for (const auto& [node, spoke] : spokes)
+    if (spoke.lasting && (nearest == nullptr || spoke.edge.length < nearest->edge.length))
+      nearest = &spoke;
+  for (const auto& [node, spoke] : spokes)
+    if (spoke.lasting && &spoke != nearest)
+      added->push_back(through(nearest->edge, spoke.edge, EdgeIs::kLasting));
+}
+
+// No best path uses an edge that another path is shorter than.
+void GraphUncertainty::remove_longer(int a, int b, double length) {
+  const std::vector<int> all = neighbours_[static_cast<std::size_t>(a)];
+  for (const int e : all) {
+    const Edge& edge = edges_[static_cast<std::size_t>(e)];
+    if ((edge.from == b || edge.to == b) && edge.is != EdgeIs::kLasting && edge.length > length)
+      remove(e);
   }
 }
 
 void GraphUncertainty::retire(const NodeId& node) {
   const auto found = index_.find(node);
   if (found == index_.end()) return;
-  const int gone = found->second;
-  std::map<int, Edge> spokes;  // the shortest edge to each neighbour, told from the neighbour
-  const std::vector<int> all = neighbours_[static_cast<std::size_t>(gone)];
-  for (const int e : all) {
-    Edge edge = edges_[static_cast<std::size_t>(e)];
-    remove(e);
-    if (edge.from == gone)
-      edge = {edge.to,
-              gone,
-              edge.T_from_to.inverse(),
-              inverse_covariance(edge.covariance, edge.T_from_to),
-              edge.length,
-              edge.is_loop};
-    const auto known = spokes.find(edge.from);
-    if (known == spokes.end() || edge.length < known->second.length) spokes[edge.from] = edge;
-  }
+  const std::map<int, Spoke> spokes = take_out(found->second);
+  free_nodes_.push_back(found->second);
   index_.erase(found);
-  free_nodes_.push_back(gone);
 
-  std::vector<Edge> shortcuts;
+  std::vector<Edge> added;
+  hold_together(spokes, &added);
+  std::vector<std::tuple<int, int, double>> best;
   for (auto a = spokes.begin(); a != spokes.end(); ++a) {
     Paths around = from(a->first);
     for (auto b = std::next(a); b != spokes.end(); ++b) {
-      const double length = a->second.length + b->second.length;
-      if (around.reach(b->first, length) &&
-          around.length_[static_cast<std::size_t>(b->first)] <= length)
-        continue;
-      const SE3 T_gone_b = b->second.T_from_to.inverse();
-      shortcuts.push_back(
-          {a->first, b->first, a->second.T_from_to * T_gone_b,
-           chained_covariance(a->second.covariance, T_gone_b,
-                              inverse_covariance(b->second.covariance, b->second.T_from_to)),
-           length, false});
+      const double length_through = a->second.edge.length + b->second.edge.length;
+      const bool shorter = around.reach(b->first, length_through) &&
+                           around.length_[static_cast<std::size_t>(b->first)] <= length_through;
+      best.emplace_back(
+          a->first, b->first,
+          shorter ? around.length_[static_cast<std::size_t>(b->first)] : length_through);
+      if (!shorter) added.push_back(through(a->second.edge, b->second.edge, EdgeIs::kShortcut));
     }
   }
-  for (const Edge& edge : shortcuts) put(edge);
+  for (const auto& [a, b, length] : best) remove_longer(a, b, length);
+  for (const Edge& edge : added) put(edge);
 }
 
 GraphUncertainty::Paths GraphUncertainty::from(const NodeId& start) const {

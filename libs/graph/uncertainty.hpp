@@ -28,7 +28,7 @@ class GraphUncertainty {
   // The node is gone; where the shortest path between two of its neighbours led through it, an edge
   // of its length and covariance takes its place (Geisberger et al. 2008: contraction), so that
   // paths between the others stay what they were. A loop that is switched off later stays in such
-  // edges.
+  // edges, and never tears apart what edges that are no loops had tied.
   void retire(const NodeId& node);
 
   // Best paths from one node to others; valid until an edge comes or goes, and the graph must
@@ -59,17 +59,30 @@ class GraphUncertainty {
   std::size_t n_edges() const { return edges_.size() - free_edges_.size(); }
 
  private:
+  enum class EdgeIs {
+    kLasting,   // measured, never switched off: whatever loops go, who hung together still does
+    kLoop,      // may be switched off
+    kShortcut,  // for a path through a node that is gone
+  };
   struct Edge {
     int from = 0;
     int to = 0;
     SE3 T_from_to;
     Matrix6d covariance;
     double length = 0.0;  // what paths are compared by
-    bool is_loop = false;
+    EdgeIs is = EdgeIs::kLasting;
+  };
+  struct Spoke {  // of a node that goes: its shortest edge to a neighbour, told from the neighbour
+    Edge edge;
+    bool lasting = false;  // one of its edges to the neighbour is
   };
   int index_of(const NodeId& id);
   void put(const Edge& edge);
   void remove(int edge);
+  std::map<int, Spoke> take_out(int node);
+  static Edge through(const Edge& a, const Edge& b, EdgeIs is);  // from a's neighbour to b's
+  void hold_together(const std::map<int, Spoke>& spokes, std::vector<Edge>* added) const;
+  void remove_longer(int a, int b, double length);
   Paths from(int start) const;
 
   std::map<NodeId, int> index_;

@@ -61,12 +61,30 @@ struct ConsistencyConfig {
   double far_sigma_m = 1.5;      // where the graph knows less than this, one more
 };
 
+struct KnownPlacesConfig {  // seen many times: see known_places.cpp
+  // Views of one place: what is seen from there overlaps by more than half.
+  double near_m = 0.5;
+  double near_rad = 0.35;
+  double most_sigma_m = 0.15;  // and certainly so
+  double most_sigma_rad = 0.1;
+  std::int64_t visit_gap_us = 20'000'000;  // between views of different visits
+  std::size_t fewest_visits = 4;           // before the first of their views goes
+  std::size_t oldest = 3;                  // views that stay: they hold the map together
+  std::size_t newest = 3;                  // and how it looks now
+  // What a scan is tied to a keyframe with: where the graph knows more, one more closure says
+  // nothing that any map shows.
+  double tells_nothing_m = 0.02;
+  double tells_nothing_rad = 0.01;
+  std::int64_t latest_links = 400;  // scans, longer than candidates wait
+};
+
 struct LoopDetectorConfig {
   AppearanceConfig appearance;
   GeometryConfig geometry;
   LidarCheckConfig lidar;
   LidarSearchConfig search;
   ConsistencyConfig consistency;
+  KnownPlacesConfig known;
   EdgeNoiseConfig noise;
   std::int64_t scan_gap_us = 300'000;  // between a keyframe and the scan that stands for it
   std::size_t latest_scans = 200;      // whose points are kept for verification

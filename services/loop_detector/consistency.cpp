@@ -147,6 +147,13 @@ std::vector<LoopCandidate> Consistency::expired(std::int64_t utime_us, bool all)
   return decided;
 }
 
+bool Consistency::mentions(const NodeId& id) const {
+  for (const Entry& entry : entries_)
+    for (const LoopMeasurement& m : entry.candidate.measurements)
+      if (m.from == id || m.to == id) return true;
+  return false;
+}
+
 void Consistency::forget(const NodeId& from, const NodeId& to) {
   const auto is_it = [&](const Entry& e) {
     for (const LoopMeasurement& m : e.candidate.measurements)

@@ -32,6 +32,8 @@ class Consistency {
   std::vector<LoopCandidate> judge(const GraphKnowledge& graph, LoopCandidate candidate, int alike);
   // Candidates that have waited too long at that time; with `all`, all that wait.
   std::vector<LoopCandidate> expired(std::int64_t utime_us, bool all);
+  // Candidates that wait, or vouch for others, are about this node.
+  bool mentions(const NodeId& id) const;
   // A loop turned out wrong: it vouches for no other any more.
   void forget(const NodeId& from, const NodeId& to);
 

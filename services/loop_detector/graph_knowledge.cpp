@@ -124,6 +124,21 @@ std::optional<NodeId> GraphKnowledge::scan_near(std::int64_t utime_us,
   return best;
 }
 
+std::vector<NodeId> GraphKnowledge::scans_near(std::int64_t utime_us,
+                                               std::int64_t max_gap_us) const {
+  std::vector<NodeId> scans;
+  for (auto it = scans_by_time_.lower_bound(utime_us - max_gap_us);
+       it != scans_by_time_.end() && it->first <= utime_us + max_gap_us; ++it)
+    scans.push_back(it->second);
+  return scans;
+}
+
+std::optional<std::int64_t> GraphKnowledge::utime_us(const NodeId& id) const {
+  const auto node = nodes_.find(id);
+  if (node == nodes_.end()) return std::nullopt;
+  return node->second.utime_us;
+}
+
 std::optional<GraphKnowledge::Relative> GraphKnowledge::relative(const NodeId& from,
                                                                  const NodeId& to) const {
   GraphUncertainty::Paths paths = paths_from(from);

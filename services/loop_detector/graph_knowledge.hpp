@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "libs/graph/edge_noise.hpp"
 #include "libs/graph/uncertainty.hpp"
@@ -31,6 +32,10 @@ class GraphKnowledge {
 
   // The scan nearest to a time, at most max_gap_us away.
   std::optional<NodeId> scan_near(std::int64_t utime_us, std::int64_t max_gap_us) const;
+
+  // All scans so near, the earliest first.
+  std::vector<NodeId> scans_near(std::int64_t utime_us, std::int64_t max_gap_us) const;
+  std::optional<std::int64_t> utime_us(const NodeId& id) const;  // nothing: unknown, or retired
 
   struct Relative {
     SE3 T_from_to = SE3::Identity();  // by the graph's poses

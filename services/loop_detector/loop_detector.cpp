@@ -33,17 +33,18 @@ void LoopDetector::set_camera(const CameraModel& camera) {
 }
 
 std::vector<LoopCandidate> LoopDetector::add(LoopKeyframe keyframe) {
-  if (!keyframes_.empty() && keyframe.id <= keyframes_.rbegin()->first) return {};
-  ++counts_.keyframes;
-  graph_.add(keyframe);
+  if (keyframe.id <= last_keyframe_) return {};
   std::vector<LoopCandidate> decided = consistency_.expired(keyframe.utime_us, false);
-  places_.add(keyframe.id, keyframe.utime_us, keyframe.features);
+  for (const std::int64_t place : keep(keyframe)) thin_out(place);
   if (camera_)
-    for (const PlaceIndex::Place& place : places_.like(keyframe.features))
+    for (const PlaceIndex::Place& place : places_.like(keyframe.features)) {
+      if (says_nothing_new(place.id, keyframe.id)) {
+        ++counts_.nothing_new;
+        continue;
+      }
       for (LoopCandidate& candidate : examine(place, keyframe))
         decided.push_back(std::move(candidate));
-  const std::int64_t id = keyframe.id;
-  keyframes_.emplace(id, std::move(keyframe));
+    }
   return settle(std::move(decided));
 }
 
@@ -58,12 +59,27 @@ std::vector<LoopCandidate> LoopDetector::add(const LoopScan& scan) {
 }
 
 void LoopDetector::remember(LoopKeyframe keyframe) {
-  if (!keyframes_.empty() && keyframe.id <= keyframes_.rbegin()->first) return;
+  if (keyframe.id <= last_keyframe_) return;
+  const NodeId last{NodeKind::kKeyframe, last_keyframe_};
+  if (retired_before_.count(keyframe.id) > 0) {
+    ++counts_.keyframes;
+    ++counts_.retired;
+    last_keyframe_ = keyframe.id;
+    graph_.add(keyframe);
+  } else {
+    keep(keyframe);
+  }
+  if (retired_before_.erase(last.id) > 0) graph_.retire(last);  // its successor hangs on it no more
+}
+
+// Returned: keyframes that are old enough to be places now.
+std::vector<std::int64_t> LoopDetector::keep(const LoopKeyframe& keyframe) {
   ++counts_.keyframes;
+  last_keyframe_ = keyframe.id;
   graph_.add(keyframe);
-  places_.add(keyframe.id, keyframe.utime_us, keyframe.features);
-  const std::int64_t id = keyframe.id;
-  keyframes_.emplace(id, std::move(keyframe));
+  keyframe_times_[keyframe.utime_us] = keyframe.id;
+  keyframes_.emplace(keyframe.id, keyframe);
+  return places_.add(keyframe.id, keyframe.utime_us, keyframe.features);
 }
 
 void LoopDetector::remember(const LoopScan& scan) {
@@ -76,6 +92,8 @@ void LoopDetector::keep(const LoopScan& scan) {
   ++counts_.scans;
   graph_.add(scan);
   submaps_.add_scan(scan);
+  links_.push_back(scan.id);
+  forget_old_scans();
   scans_[scan.id] = scan.points_base;
   if (scans_.size() > config_.latest_scans) scans_.erase(scans_.begin());
 }
@@ -85,6 +103,11 @@ std::vector<LoopCandidate> LoopDetector::finish() { return settle(consistency_.e
 void LoopDetector::switched_off(const NodeId& from, const NodeId& to) {
   graph_.remove_loop(from, to);
   consistency_.forget(from, to);
+}
+
+LoopDetector::Sizes LoopDetector::sizes() const {
+  return {places_.n_places(), keyframes_.size(), graph_.n_nodes(), graph_.n_edges(),
+          submaps_.all().size()};
 }
 
 // Stages 2 to 4 of a place that looks like this one.

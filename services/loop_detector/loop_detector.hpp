@@ -5,9 +5,12 @@
 // Not thread-safe.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,6 +33,14 @@ struct LoopCounts {
   std::int64_t lidar_searches = 0;
   std::int64_t candidates = 0;
   std::int64_t accepted = 0;
+  std::int64_t retired = 0;      // keyframes of places seen many times
+  std::int64_t nothing_new = 0;  // views of such places that were not compared
+};
+
+// What a later process must know that is built up from the same nodes.
+struct KnownPlacesNews {
+  std::vector<NodeId> retired;  // keyframes that are no places any more
+  std::vector<NodeId> known;    // places that have been seen many times
 };
 
 class LoopDetector {
@@ -47,6 +58,8 @@ class LoopDetector {
   void remember(LoopKeyframe keyframe);
   void remember(const LoopScan& scan);
   void remember(const LoopMeasurement& loop) { graph_.add_loop(loop); }  // a loop it accepted
+  // Before the nodes that it is about.
+  void remember(const KnownPlacesNews& news);
   std::vector<LoopCandidate> finish();  // those that still wait for others are rejected
 
   void add_tile(const Tile& tile) { submaps_.add_tile(tile); }
@@ -55,7 +68,14 @@ class LoopDetector {
   // The graph has switched a loop off.
   void switched_off(const NodeId& from, const NodeId& to);
 
+  KnownPlacesNews take_news();  // since the last call
+
   const LoopCounts& counts() const { return counts_; }
+  // Of what is kept, for who watches that it grows with the area.
+  struct Sizes {
+    std::size_t places = 0, keyframes = 0, nodes = 0, edges = 0, submaps = 0;
+  };
+  Sizes sizes() const;
 
  private:
   struct Target {  // a submap that may hold the place of a scan
@@ -72,10 +92,18 @@ class LoopDetector {
   StageVerdict verify_by_lidar(const LoopKeyframe& older, const LoopKeyframe& newer, bool vague,
                                LoopCandidate* candidate, LidarOpinion* opinion);
   std::vector<Target> targets(const LoopScan& scan) const;
+  std::vector<std::int64_t> keep(const LoopKeyframe& keyframe);
   void keep(const LoopScan& scan);
   bool due(const LoopScan& scan);
   std::vector<LoopCandidate> search(const LoopScan& scan, const Target& target);
   std::string rival_elsewhere(const LoopScan& scan, const Target& target, const SE2& T_submap_base);
+  std::vector<std::int64_t> views_like(std::int64_t keyframe) const;
+  void thin_out(std::int64_t keyframe);
+  void retire(const NodeId& keyframe);
+  bool says_nothing_new(std::int64_t place, std::int64_t keyframe) const;
+  bool is_mere_link(const NodeId& scan) const;
+  void forget_scan(const NodeId& scan);
+  void forget_old_scans();
   std::vector<LoopCandidate> weigh(LoopCandidate candidate, int alike);
   std::vector<LoopCandidate> settle(std::vector<LoopCandidate> decided);
 
@@ -86,7 +114,13 @@ class LoopDetector {
   GraphKnowledge graph_;
   SubmapStore submaps_;
   Consistency consistency_;
-  std::map<std::int64_t, LoopKeyframe> keyframes_;
+  std::map<std::int64_t, LoopKeyframe> keyframes_;       // places, and those that will be
+  std::map<std::int64_t, std::int64_t> keyframe_times_;  // of keyframes_: utime, id
+  std::int64_t last_keyframe_ = 0;
+  std::set<std::int64_t> known_places_;    // seen many times
+  std::set<std::int64_t> retired_before_;  // by an earlier process
+  std::deque<std::int64_t> links_;         // scans that may become mere links of their chain
+  KnownPlacesNews news_;
   std::map<std::int64_t, Points> scans_;  // points of the latest scans, for verification
   std::int64_t last_scan_ = 0;
   std::int64_t chain_begins_at_ = 0;    // the scan since which each knows the one before

@@ -10,10 +10,30 @@
 namespace fusion_slam {
 namespace {
 
+// Notes in the journal: keyframes, by id, that are no places any more, and places known well.
+constexpr const char* kRetired = "RETIRED";
+constexpr const char* kKnownPlaces = "KNOWN_PLACES";
+
 constexpr std::size_t kMaxEarly = 100;  // nodes of a kind that wait for the models
 
 NodeKind kind_of(std::int8_t kind) {
   return kind == graph_node_t::LIDAR ? NodeKind::kLidar : NodeKind::kKeyframe;
+}
+
+graph_t note_of(const std::vector<NodeId>& keyframes) {
+  graph_t note{};
+  for (const NodeId& id : keyframes) {
+    graph_node_t node{};
+    node.kind = graph_node_t::KEYFRAME;
+    node.id = id.id;
+    note.nodes.push_back(node);
+  }
+  note.n_nodes = static_cast<std::int32_t>(note.nodes.size());
+  return note;
+}
+
+void take_note(const graph_t& note, std::vector<NodeId>* keyframes) {
+  for (const graph_node_t& node : note.nodes) keyframes->push_back({NodeKind::kKeyframe, node.id});
 }
 
 }  // namespace
@@ -39,6 +59,10 @@ LoopDetectorProcess::LoopDetectorProcess(Bus& bus, LoopDetectorConfig config)
   // Nodes of an earlier process are remembered, not searched again: what it found is in the graph.
   bus_.keep_in_journal({"CAMERA_MODEL", "ROBOT_MODEL", "LIDAR_NODE", "KEYFRAME", "COMMAND"});
   bus_.keep_said<constraint_t>("CONSTRAINT", [this](const constraint_t& m) { on_earlier_loop(m); });
+  bus_.on_note<graph_t>(kRetired,
+                        [this](const graph_t& m) { take_note(m, &earlier_places_.retired); });
+  bus_.on_note<graph_t>(kKnownPlaces,
+                        [this](const graph_t& m) { take_note(m, &earlier_places_.known); });
   bus_.set_state_text("waiting for ROBOT_MODEL");
 }
 
@@ -82,6 +106,7 @@ void LoopDetectorProcess::start_when_ready() {
   if (!robot_) return;
   if (!detector_) {
     detector_ = std::make_unique<LoopDetector>(*robot_, config_);
+    detector_->remember(std::exchange(earlier_places_, {}));
     for (const Tile& tile : std::exchange(early_tiles_, {})) detector_->add_tile(tile);
     for (const LoopScan& scan : std::exchange(early_scans_, {})) take(scan);
     for (const LoopMeasurement& loop : std::exchange(earlier_loops_, {})) detector_->remember(loop);
@@ -150,7 +175,15 @@ void LoopDetectorProcess::publish(const std::vector<LoopCandidate>& decided) {
     for (const LoopMeasurement& loop : candidate.measurements)
       bus_.publish("CONSTRAINT", to_message(loop, candidate.utime_us));
   }
+  note_news();
   say_state();
+}
+
+// A process that is built up again from the journal needs no GRAPH to come to the same places.
+void LoopDetectorProcess::note_news() {
+  const KnownPlacesNews news = detector_->take_news();
+  if (!news.retired.empty()) bus_.note(kRetired, note_of(news.retired));
+  if (!news.known.empty()) bus_.note(kKnownPlaces, note_of(news.known));
 }
 
 void LoopDetectorProcess::say_state() {
@@ -158,7 +191,9 @@ void LoopDetectorProcess::say_state() {
   bus_.set_state_text(std::to_string(c.keyframes) + " keyframes, " + std::to_string(c.scans) +
                       " scans, " + std::to_string(c.lidar_searches) + " LiDAR searches, " +
                       std::to_string(c.candidates) + " candidates, " + std::to_string(c.accepted) +
-                      " accepted");
+                      " accepted; " + std::to_string(c.retired) +
+                      " keyframes of places seen often left out, " + std::to_string(c.nothing_new) +
+                      " closures there spared");
 }
 
 }  // namespace fusion_slam

@@ -40,6 +40,7 @@ class LoopDetectorProcess {
   void take(LoopKeyframe keyframe);
   void take(const LoopScan& scan);
   void publish(const std::vector<LoopCandidate>& decided);
+  void note_news();
   void say_state();
 
   Bus& bus_;
@@ -53,6 +54,7 @@ class LoopDetectorProcess {
   std::vector<LoopScan> early_scans_;
   std::vector<Tile> early_tiles_;
   std::vector<LoopMeasurement> earlier_loops_;     // of an earlier process, by the journal
+  KnownPlacesNews earlier_places_;                 // likewise
   std::set<std::pair<NodeId, NodeId>> known_off_;  // loops that the graph has switched off
 };
 

@@ -26,6 +26,8 @@ class SubmapStore {
 
   void add_tile(const Tile& tile);
   void add_scan(const LoopScan& scan);
+  // Nobody will ask for its submaps again; it stays a member of them.
+  void forget_scan(std::int64_t node_id) { submaps_of_.erase(node_id); }
 
   struct Member {
     std::int64_t node_id = 0;

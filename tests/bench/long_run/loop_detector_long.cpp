@@ -116,7 +116,7 @@ class Bench {
   Bench(bool verdicts, bool by_truth) : verdicts_(verdicts), by_truth_(by_truth) {
     std::printf(
         "minute,rss_mb,keyframe_ms_mean,keyframe_ms_p95,scan_ms_mean,scan_ms_p95,"
-        "candidates,accepted,constraints,searches\n");
+        "candidates,accepted,constraints,searches,nothing_new,places,nodes,edges\n");
   }
 
   void on(const LogEvent& event, std::int64_t utime_us) {
@@ -170,11 +170,13 @@ class Bench {
     ++minute_;
     const LoopCounts& c = detector_->counts();
     std::printf(
-        "%lld,%.1f,%.2f,%.2f,%.2f,%.2f,%lld,%lld,%lld,%lld\n", static_cast<long long>(minute_),
-        rss_mb(), mean(keyframe_ms_), p95(&keyframe_ms_), mean(scan_ms_), p95(&scan_ms_),
-        static_cast<long long>(c.candidates - last_.candidates),
+        "%lld,%.1f,%.2f,%.2f,%.2f,%.2f,%lld,%lld,%lld,%lld,%lld,%zu,%zu,%zu\n",
+        static_cast<long long>(minute_), rss_mb(), mean(keyframe_ms_), p95(&keyframe_ms_),
+        mean(scan_ms_), p95(&scan_ms_), static_cast<long long>(c.candidates - last_.candidates),
         static_cast<long long>(c.accepted - last_.accepted), static_cast<long long>(constraints_),
-        static_cast<long long>(c.lidar_searches - last_.lidar_searches));
+        static_cast<long long>(c.lidar_searches - last_.lidar_searches),
+        static_cast<long long>(c.nothing_new - last_.nothing_new), detector_->sizes().places,
+        detector_->sizes().nodes, detector_->sizes().edges);
     std::fflush(stdout);
     last_ = c;
     constraints_ = 0;
