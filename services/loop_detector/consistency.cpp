@@ -147,11 +147,20 @@ std::vector<LoopCandidate> Consistency::expired(std::int64_t utime_us, bool all)
   return decided;
 }
 
+bool Consistency::is_about(const Entry& entry, const NodeId& id) {
+  const auto& all = entry.candidate.measurements;
+  return std::any_of(all.begin(), all.end(),
+                     [&](const LoopMeasurement& m) { return m.from == id || m.to == id; });
+}
+
+bool Consistency::waits_for(const NodeId& id) const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const Entry& e) { return !e.accepted && is_about(e, id); });
+}
+
 bool Consistency::mentions(const NodeId& id) const {
-  for (const Entry& entry : entries_)
-    for (const LoopMeasurement& m : entry.candidate.measurements)
-      if (m.from == id || m.to == id) return true;
-  return false;
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const Entry& e) { return is_about(e, id); });
 }
 
 void Consistency::forget(const NodeId& from, const NodeId& to) {

@@ -32,7 +32,8 @@ class Consistency {
   std::vector<LoopCandidate> judge(const GraphKnowledge& graph, LoopCandidate candidate, int alike);
   // Candidates that have waited too long at that time; with `all`, all that wait.
   std::vector<LoopCandidate> expired(std::int64_t utime_us, bool all);
-  // Candidates that wait, or vouch for others, are about this node.
+  // A candidate that waits is about this node; or one that vouches for others.
+  bool waits_for(const NodeId& id) const;
   bool mentions(const NodeId& id) const;
   // A loop turned out wrong: it vouches for no other any more.
   void forget(const NodeId& from, const NodeId& to);
@@ -43,6 +44,7 @@ class Consistency {
     int alike = 1;
     bool accepted = false;
   };
+  static bool is_about(const Entry& entry, const NodeId& id);
   bool agree(const GraphKnowledge& graph, const LoopCandidate& a, const LoopCandidate& b) const;
   bool apart(const GraphKnowledge& graph, const LoopCandidate& a, const LoopCandidate& b) const;
 

@@ -73,7 +73,7 @@ void LoopDetector::thin_out(std::int64_t keyframe) {
   for (std::size_t i = 0; i < views.size(); ++i) {
     const NodeId id{NodeKind::kKeyframe, views[i]};
     const bool between = i >= config.oldest && i + config.newest < views.size();
-    if (between && !consistency_.mentions(id))
+    if (between && !consistency_.waits_for(id))
       retire(id);
     else if (known_places_.insert(views[i]).second)
       news_.known.push_back(id);
