@@ -26,6 +26,9 @@ struct GraphEdge {
   double loop_weight = 1.0;  // after the last solve; below 0.1: outvoted. 1 for all but loops
   // What global bundle adjustment says instead of T_from_to; its own measurement stays T_from_to.
   std::optional<SE3> adjusted = std::nullopt;
+  // As measured, before an end left the graph and its carrier took its place; id 0: from and to.
+  NodeId said_from = {};
+  NodeId said_to = {};
 };
 
 }  // namespace fusion_slam

@@ -31,8 +31,21 @@ struct BundleConfig {
   std::int64_t meet_after_us = 5'000'000;  // as PoseGraphConfig::meet_after_us; it takes longer
 };
 
+// Nodes in places that older ones have seen leave the graph (thinning.hpp), so that it grows with
+// the area and not with time.
+struct ThinningConfig {
+  double within_m = 0.5;     // half a room's width further other things are seen
+  double within_rad = 0.35;  // 20 degrees: of the camera's 58 most is the same; LiDAR: any
+  int enough = 2;            // older ones of the same sensor: one may be a bad one
+  // What came later than this is not judged: loops to it are still being found and doubted.
+  std::int64_t after_us = 120'000'000;
+  int every = 32;                 // nodes; each look costs as much as a window's solve
+  double carrier_sigma_m = 0.05;  // a node that no neighbour knows so well stays
+};
+
 struct PoseGraphConfig {
   BundleConfig bundle;
+  ThinningConfig thinning;
   EdgeNoiseConfig noise;  // how far edges are believed
 
   // A planar robot's base stays on the floor. Wider for single nodes than one frame's noise, so

@@ -28,7 +28,7 @@ std::shared_ptr<const BundleQuestion> PoseGraph::bundle_question() {
   for (const GraphEdge& edge : edges_) {
     if (edge.kind != EdgeKind::kLoop || edge.loop_weight < 0.5) continue;
     const auto same = same_points_.find({edge.from, edge.to});
-    if (same != same_points_.end())
+    if (edge.said_from.id == 0 && same != same_points_.end())
       question->same.push_back({edge.from.id, edge.to.id, same->second});
   }
   bundled_keyframes_ = seen_.n_keyframes();
@@ -131,8 +131,9 @@ void PoseGraph::judge_loops() {
   for (const std::size_t i : off) {
     const GraphEdge& edge = edges_[i];
     LoopState state;
-    state.from = edge.from;
-    state.to = edge.to;
+    const bool as_said = edge.said_from.id == 0;
+    state.from = as_said ? edge.from : edge.said_from;
+    state.to = as_said ? edge.to : edge.said_to;
     state.squared_error = edge_error(config_, planar, nodes_, edge);
     const Vector6d error = local(
         edge.T_from_to, nodes_.at(edge.from).T_map_base.inverse() * nodes_.at(edge.to).T_map_base);
@@ -143,7 +144,7 @@ void PoseGraph::judge_loops() {
                   config_.switch_off_after);
     state.reason = text;
     switched_off_.push_back(state);
-    same_points_.erase({edge.from, edge.to});
+    same_points_.erase({state.from, state.to});
     ++counts_.loops_switched_off;
   }
   for (auto i = off.rbegin(); i != off.rend(); ++i)

@@ -125,4 +125,32 @@ loop_state_t to_message(const LoopState& loop) {
   return message;
 }
 
+LoopState state_from(const loop_state_t& message) {
+  return {{static_cast<NodeKind>(message.from_kind), message.from_id},
+          {static_cast<NodeKind>(message.to_kind), message.to_id},
+          message.squared_error,
+          message.reason};
+}
+
+constraint_t to_message(const Retirement& retirement, std::int64_t utime_us,
+                        std::int64_t n_placed) {
+  constraint_t message{};
+  message.utime = utime_us;
+  message.seq = n_placed;
+  message.from_kind = static_cast<std::int8_t>(retirement.carrier.kind);
+  message.from_id = retirement.carrier.id;
+  message.to_kind = static_cast<std::int8_t>(retirement.id.kind);
+  message.to_id = retirement.id.id;
+  message.T_from_to = to_message(retirement.T_carrier_base, utime_us);
+  to_message(retirement.covariance, message.covariance);
+  message.source = "pose_graph";
+  return message;
+}
+
+std::optional<Retirement> retirement_from(const constraint_t& message) {
+  const auto loop = loop_from(message);
+  if (!loop) return std::nullopt;
+  return Retirement{loop->to, loop->from, loop->T_from_to, loop->covariance};
+}
+
 }  // namespace fusion_slam

@@ -23,6 +23,11 @@ std::optional<LoopInput> loop_from(const constraint_t& message);
 graph_node_t to_message(const NodeId& id, const GraphNode& node);
 pose_estimate_t to_message(const PoseOutput& pose);
 loop_state_t to_message(const LoopState& loop);
+LoopState state_from(const loop_state_t& message);
+// RETIRED, a record of the journal: from the carrier to the retired node; seq: the number of nodes
+// that had come.
+constraint_t to_message(const Retirement& retirement, std::int64_t utime_us, std::int64_t n_placed);
+std::optional<Retirement> retirement_from(const constraint_t& message);
 
 bool is_node_kind(std::int8_t kind);
 

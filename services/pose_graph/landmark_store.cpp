@@ -46,6 +46,8 @@ void LandmarkStore::add(std::int64_t keyframe, std::vector<SeenFeature> seen) {
   keyframes_.emplace(keyframe, std::make_shared<const std::vector<SeenFeature>>(std::move(seen)));
 }
 
+void LandmarkStore::drop(std::int64_t keyframe) { keyframes_.erase(keyframe); }
+
 std::int64_t LandmarkStore::landmark_of(std::int64_t keyframe, int feature) const {
   const auto found = keyframes_.find(keyframe);
   if (found == keyframes_.end()) return 0;

@@ -48,6 +48,7 @@ class LandmarkStore {
  public:
   // `seen` in the order of their indices. A keyframe that is there already is left as it is.
   void add(std::int64_t keyframe, std::vector<SeenFeature> seen);
+  void drop(std::int64_t keyframe);
   std::size_t n_keyframes() const { return keyframes_.size(); }
 
   // Points seen from at least two keyframes, once with depth: the longest tracks first until every

@@ -18,11 +18,13 @@ bool PoseGraph::level_map(const NodeId& id, const SE3& T_level_id, std::string* 
     ++counts_.rejected;
     return false;
   }
-  const SE3 T_level_map = levelling(nodes_.at(id).T_map_base, T_level_id);
+  const SE3 T_level_map = levelling(T_map(id), T_level_id);
   for (auto& [node_id, node] : nodes_) {
     node.T_map_base = orthonormal(T_level_map * node.T_map_base);
     changed_.insert(node_id);
   }
+  for (const auto& retired : retired_) changed_.insert(retired.first);
+  for (auto& [carrier, load] : loads_) load.T_said = nodes_.at(carrier).T_map_base;
   if (background_) background_->T_now_then = T_level_map * background_->T_now_then;
   if (last_pose_) last_pose_->T_map_base = T_level_map * last_pose_->T_map_base;
   taken_.clear();  // every node is handed out, however little it moved: all are in one map again

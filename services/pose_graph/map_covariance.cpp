@@ -7,7 +7,15 @@ namespace fusion_slam {
 // Relative to the map's origin, the oldest node: along the best path of edges (an upper bound; see
 // libs/graph/uncertainty.hpp), in the node's axes. From the node before it where that is known, so
 // that the whole graph is looked at only once after each solve.
-const Matrix6d& PoseGraph::map_covariance(const NodeId& id) const {
+Matrix6d PoseGraph::map_covariance(const NodeId& id) const {
+  const auto retired = retired_.find(id);
+  if (retired != retired_.end()) {
+    const Retired& r = retired->second;
+    Vector6d variance;
+    variance << Eigen::Vector3d::Constant(r.translation_m2),
+        Eigen::Vector3d::Constant(r.rotation_rad2);
+    return chained_covariance(map_covariance(r.carrier), r.T_carrier_base(), variance.asDiagonal());
+  }
   const auto known_already = map_covariance_.find(id);
   if (known_already != map_covariance_.end()) return known_already->second;
   const bool planar = robot_ && robot_->planar;

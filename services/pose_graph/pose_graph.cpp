@@ -69,14 +69,19 @@ void PoseGraph::add_loop(const LoopInput& loop) {
   settle();
 }
 
-void PoseGraph::rebuild(std::map<NodeId, SE3> T_map_base) {
+void PoseGraph::rebuild(Earlier earlier) {
   rebuilding_ = true;
-  earlier_ = std::move(T_map_base);
+  earlier_ = std::move(earlier.T_map_base);
+  earlier_retired_ = std::move(earlier.retired);
+  earlier_off_ = std::move(earlier.switched_off);
 }
 
 void PoseGraph::rebuilt() {
   if (!std::exchange(rebuilding_, false)) return;
   earlier_.clear();
+  earlier_retired_.clear();
+  earlier_off_.clear();
+  retirements_.clear();  // the journal has them
   if (unsolved_loops_ > 0) start_global_solve(false);
   unsolved_loops_ = 0;
 }
@@ -85,6 +90,8 @@ void PoseGraph::start_anew() {
   PoseGraph fresh(config_);
   fresh.rebuilding_ = rebuilding_;
   fresh.earlier_ = std::move(earlier_);
+  fresh.earlier_retired_ = std::move(earlier_retired_);
+  fresh.earlier_off_ = std::move(earlier_off_);
   fresh.robot_ = robot_;
   fresh.camera_ = camera_;
   *this = std::move(fresh);
@@ -110,6 +117,7 @@ void PoseGraph::settle() {
   }
   if (tie_keyframes() && !rebuilding_) refine_window();
   meet_global_solve(false);
+  thin();
   if (take_loops() && !rebuilding_) solve({});
   if (!rebuilding_ && bundle_is_due()) start_global_solve(true);
   say_poses();
@@ -130,9 +138,9 @@ bool PoseGraph::place(const NodeInput& node) {
   const NodeId previous{node.id.kind, node.previous_id};
   if (node.previous_id != 0 && known(previous)) {
     const bool lidar = node.id.kind == NodeKind::kLidar;
-    edges_.push_back({lidar ? EdgeKind::kLidar : EdgeKind::kVisual, previous, node.id,
-                      node.T_previous_base, node.covariance, 1.0});
-    put(node, nodes_.at(previous).T_map_base * node.T_previous_base);
+    put(node, T_map(previous) * node.T_previous_base);
+    add_edge({lidar ? EdgeKind::kLidar : EdgeKind::kVisual, previous, node.id, node.T_previous_base,
+              node.covariance, 1.0});
     return true;
   }
   const bool may_wait = !finishing_ && waiting_nodes_.size() < config_.max_waiting &&
@@ -144,9 +152,9 @@ bool PoseGraph::place(const NodeInput& node) {
   }
   const auto found = hang(node);
   if (!found) return false;
-  edges_.push_back(found->edge);
   if (found->counts_as_restart) ++counts_.restarts;
-  put(node, nodes_.at(found->edge.from).T_map_base * found->edge.T_from_to);
+  put(node, T_map(found->edge.from) * found->edge.T_from_to);
+  add_edge(found->edge);
   return true;
 }
 
@@ -156,7 +164,7 @@ void PoseGraph::refine_edges(const NodeInput& node) {
   for (const NodeInput::Refined& refined : node.refined)
     for (GraphEdge& edge : edges_)
       if (edge.kind == EdgeKind::kVisual && edge.to == NodeId{node.id.kind, refined.id} &&
-          edge.from.kind == node.id.kind) {
+          edge.from.kind == node.id.kind && edge.said_from.id == 0) {
         edge.T_from_to = refined.T_previous_base;
         edge.adjusted.reset();
       }
@@ -167,6 +175,7 @@ void PoseGraph::put(const NodeInput& node, const SE3& T_map_base) {
   const SE3& T = earlier == earlier_.end() ? T_map_base : earlier->second;
   nodes_[node.id] = {node.utime_us, orthonormal(T), node.T_odom_base};
   by_time_.emplace(node.utime_us, node.id);
+  ++n_placed_;
   changed_.insert(node.id);
   if (!node.seen.empty()) seen_.add(node.id.id, node.seen);
   if (node.id.kind == NodeKind::kKeyframe) waiting_ties_.emplace(node.utime_us, node.id);
@@ -186,8 +195,8 @@ bool PoseGraph::tie_keyframes() {
       continue;
     }
     if (usable) {
-      edges_.push_back({EdgeKind::kTie, seen->pose.reference, id, seen->pose.T_reference_base,
-                        interpolated_covariance(config_, *seen), 1.0});
+      add_edge({EdgeKind::kTie, seen->pose.reference, id, seen->pose.T_reference_base,
+                interpolated_covariance(config_, *seen), 1.0});
       ++counts_.ties;
       tied = true;
     }
@@ -205,10 +214,13 @@ bool PoseGraph::take_loops() {
       still_waiting.push_back(std::move(loop));
       continue;
     }
-    edges_.push_back({EdgeKind::kLoop, loop.from, loop.to, loop.T_from_to, loop.covariance, 1.0});
     ++counts_.loops;
+    if (was_switched_off(loop)) continue;
+    const std::size_t n_edges = edges_.size();
+    add_edge({EdgeKind::kLoop, loop.from, loop.to, loop.T_from_to, loop.covariance, 1.0});
+    if (edges_.size() == n_edges) continue;  // between a node and who carries it
     ++unsolved_loops_;
-    if (!loop.same_features.empty()) {
+    if (!loop.same_features.empty() && nodes_.count(loop.from) > 0 && nodes_.count(loop.to) > 0) {
       same_points_[{loop.from, loop.to}] = loop.same_features;
       ++new_visual_loops_;
     }
@@ -217,6 +229,18 @@ bool PoseGraph::take_loops() {
   }
   waiting_loops_.swap(still_waiting);
   return unsolved_loops_ > 0 && (pulls || unsolved_loops_ >= config_.most_unsolved_loops);
+}
+
+// By an earlier process.
+bool PoseGraph::was_switched_off(const LoopInput& loop) {
+  const auto off = std::find_if(earlier_off_.begin(), earlier_off_.end(), [&](const LoopState& s) {
+    return s.from == loop.from && s.to == loop.to;
+  });
+  if (off == earlier_off_.end()) return false;
+  switched_off_.push_back(*off);
+  ++counts_.loops_switched_off;
+  earlier_off_.erase(off);
+  return true;
 }
 
 // The newest nodes alone: between loops the two sensors' chains must not drift apart.
@@ -253,19 +277,38 @@ void PoseGraph::solve(const std::set<NodeId>& moving) {
 
 std::vector<std::pair<NodeId, GraphNode>> PoseGraph::take_changes() {
   std::vector<std::pair<NodeId, GraphNode>> changes;
+  const auto moved = [](const SE3& before, const SE3& now, double m, double rad) {
+    const Vector6d by = local(before, now);
+    return by.head<3>().norm() >= m || by.tail<3>().norm() >= rad;
+  };
+  const auto carried = [this](const NodeId& id) {
+    return GraphNode{retired_.at(id).utime_us, T_map(id), SE3::Identity()};
+  };
   for (const NodeId& id : changed_) {
-    const GraphNode& node = nodes_.at(id);
-    const auto taken = taken_.find(id);
-    if (taken != taken_.end()) {
-      const Vector6d moved = local(taken->second.T_map_base, node.T_map_base);
-      if (moved.head<3>().norm() < 1e-3 && moved.tail<3>().norm() < 1e-4) continue;
+    const auto found = nodes_.find(id);
+    if (found == nodes_.end()) {  // retired before it was handed out as it is
+      changes.emplace_back(id, carried(id));
+      continue;
     }
+    const GraphNode& node = found->second;
+    const auto load = loads_.find(id);
+    if (load != loads_.end() && moved(load->second.T_said, node.T_map_base, 3e-3, 5e-4)) {
+      load->second.T_said = node.T_map_base;
+      for (const NodeId& other : load->second.ids) changes.emplace_back(other, carried(other));
+    }
+    const auto taken = taken_.find(id);
+    if (taken != taken_.end() && !moved(taken->second.T_map_base, node.T_map_base, 1e-3, 1e-4))
+      continue;
     taken_[id] = node;
     changes.emplace_back(id, node);
   }
   changed_.clear();
   if (!changes.empty()) ++revision_;
   return changes;
+}
+
+std::vector<std::pair<std::int64_t, Retirement>> PoseGraph::take_retirements() {
+  return std::exchange(retirements_, {});
 }
 
 std::vector<PoseOutput> PoseGraph::take_poses() { return std::exchange(poses_, {}); }

@@ -24,6 +24,7 @@
 #include "services/pose_graph/graph_solver.hpp"
 #include "services/pose_graph/graph_types.hpp"
 #include "services/pose_graph/pose_track.hpp"
+#include "services/pose_graph/thinning.hpp"
 
 namespace fusion_slam {
 
@@ -37,6 +38,7 @@ struct PoseGraphCounts {
   std::int64_t bundles_refused = 0;
   std::int64_t restarts = 0;  // tracks that started anew and were hung on the last known pose
   std::int64_t levellings = 0;
+  std::int64_t retired = 0;   // nodes carried by others
   std::int64_t rejected = 0;  // duplicate ids, edges from a node to itself, impossible levellings
 };
 
@@ -65,19 +67,31 @@ class PoseGraph {
   // An earlier process's graph is built again from its inputs: until rebuilt() nodes are put where
   // it had them last, and nothing is solved (live, a graph is solved as often as nodes come: that
   // would take as long again).
-  void rebuild(std::map<NodeId, SE3> T_map_base);
+  struct Earlier {
+    std::map<NodeId, SE3> T_map_base;                         // as GRAPH said last
+    std::map<std::int64_t, std::vector<Retirement>> retired;  // by take_retirements()' number
+    std::vector<LoopState> switched_off;                      // as GRAPH said last
+  };
+  void rebuild(Earlier earlier);
   void rebuilt();
   void start_anew();  // forgets all but the robot and the camera
   void finish();      // the input has ended: place and say what still waits, then solve
 
-  // Nodes that are new or moved (more than 1 mm or 0.1 mrad) since the last call; grows the
-  // revision when there are any. After level_map(): all of them.
+  // Nodes that are new or moved (more than 1 mm or 0.1 mrad; what others carry 3 mm or 0.5 mrad)
+  // since the last call; grows the revision when there are any. After level_map(): all of them.
   std::vector<std::pair<NodeId, GraphNode>> take_changes();
   std::vector<PoseOutput> take_poses();
+  // Nodes that left the graph since the last call: what rebuild() needs to do it again, each with
+  // the number of nodes that had come until then.
+  std::vector<std::pair<std::int64_t, Retirement>> take_retirements();
+  // At most so many nodes behind this one in the order of their ids, those that are carried by
+  // others included (T_odom_base is not kept of them). Behind NodeId{}: the first.
+  std::vector<std::pair<NodeId, GraphNode>> nodes_after(const NodeId& id, std::size_t most) const;
+  std::size_t n_nodes() const { return nodes_.size() + retired_.size(); }
 
   std::int64_t revision() const { return revision_; }
   std::int64_t newest_utime_us() const { return newest_utime_us_; }
-  const GraphNodes& nodes() const { return nodes_; }
+  const GraphNodes& nodes() const { return nodes_; }  // those that are unknowns
   const std::vector<GraphEdge>& edges() const { return edges_; }
   const PoseGraphCounts& counts() const { return counts_; }
   const BundleReport& last_bundle() const { return last_bundle_; }
@@ -90,7 +104,29 @@ class PoseGraph {
     bool counts_as_restart = false;
   };
 
+  struct Retired {  // small: there is one for each node that ever was
+    std::int64_t utime_us = 0;
+    NodeId carrier;
+    Eigen::Vector3d t_carrier_base_m;
+    Eigen::Quaterniond q_carrier_base;
+    float translation_m2 = 0.0F;  // an upper bound of the variance, any direction
+    float rotation_rad2 = 0.0F;
+    SE3 T_carrier_base() const;
+  };
+  struct Load {  // of a carrier
+    SE3 T_said;  // where it was when those it carries were last handed out
+    std::vector<NodeId> ids;
+  };
+
   void settle();
+  void thin();
+  void thin_as_before();
+  void retire(const NodeId& id, const NodeId& carrier, const SE3& T_carrier_base,
+              Thinning* thinning);
+  void hand_over_load(const NodeId& id);
+  void renumber(const std::vector<std::ptrdiff_t>& number);
+  void add_edge(GraphEdge edge);
+  SE3 T_map(const NodeId& id) const;
   bool place_nodes();
   bool place(const NodeInput& node);
   void put(const NodeInput& node, const SE3& T_map_base);
@@ -101,6 +137,7 @@ class PoseGraph {
   bool may_still_come(NodeKind sensor, std::int64_t utime_us) const;
   bool tie_keyframes();
   bool take_loops();
+  bool was_switched_off(const LoopInput& loop);
   void refine_window();
   void solve(const std::set<NodeId>& moving);
   bool bundle_is_due() const;
@@ -109,7 +146,7 @@ class PoseGraph {
   void meet_global_solve(bool now);
   void adopt(const GlobalSolve& answer);
   void judge_loops();
-  const Matrix6d& map_covariance(const NodeId& id) const;
+  Matrix6d map_covariance(const NodeId& id) const;
   void say_poses();
   PoseOutput said(const PoseInput& pose) const;
   std::optional<PoseOutput> bridged(const PoseInput& pose) const;
@@ -118,7 +155,7 @@ class PoseGraph {
   const PoseTrack& track(NodeKind sensor) const {
     return sensor == NodeKind::kLidar ? lidar_ : visual_;
   }
-  bool known(const NodeId& id) const { return nodes_.count(id) > 0; }
+  bool known(const NodeId& id) const { return nodes_.count(id) > 0 || retired_.count(id) > 0; }
 
   PoseGraphConfig config_;
   std::optional<RobotModel> robot_;
@@ -137,9 +174,16 @@ class PoseGraph {
   bool finishing_ = false;
   bool rebuilding_ = false;
   std::map<NodeId, SE3> earlier_;  // where rebuild() puts nodes
+  std::map<std::int64_t, std::vector<Retirement>> earlier_retired_;
+  std::vector<LoopState> earlier_off_;
 
   std::int64_t newest_utime_us_ = 0;
   std::int64_t revision_ = 0;
+  std::map<NodeId, Retired> retired_;
+  std::map<NodeId, Load> loads_;  // by carrier
+  std::vector<std::pair<std::int64_t, Retirement>> retirements_;
+  std::int64_t n_placed_ = 0;
+  std::int64_t next_thinning_ = 0;
   GraphNodes taken_;  // as last handed out
   std::set<NodeId> changed_;
   std::vector<PoseOutput> poses_;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kNodesPerPart = 400;          // 400 * 81 bytes: one datagram
 constexpr std::int64_t kRevisionsPerComplete = 50;  // a listener that lost a message is whole again
-constexpr int kCompletePeriodMs = 1000;             // live: and one that started late, too
+constexpr int kTellPeriodMs = 1000;                 // live: and one that started late, too
 
 PoseGraphConfig config_for(Mode mode) {
   PoseGraphConfig config;
@@ -48,7 +48,15 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus), graph_(config_for(bus.
     for (const graph_node_t& node : m.nodes)
       if (const auto T_map_base = from_message(node.T_map_base);
           T_map_base && is_node_kind(node.kind))
-        earlier_[{static_cast<NodeKind>(node.kind), node.id}] = *T_map_base;
+        earlier_.T_map_base[{static_cast<NodeKind>(node.kind), node.id}] = *T_map_base;
+    if (m.part != 0) return;
+    earlier_.switched_off.clear();
+    for (const loop_state_t& loop : m.switched_off)
+      if (is_node_kind(loop.from_kind) && is_node_kind(loop.to_kind))
+        earlier_.switched_off.push_back(state_from(loop));
+  });
+  bus.on_note<constraint_t>("RETIRED", [this](const constraint_t& m) {
+    if (const auto retirement = retirement_from(m)) earlier_.retired[m.seq].push_back(*retirement);
   });
   bus.subscribe<bot_core::pose_t>("ODOMETRY", Policy::kKeepAll, on(&PoseGraphProcess::on_odometry));
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll, on(&PoseGraphProcess::on_command));
@@ -65,16 +73,21 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus), graph_(config_for(bus.
   // where it is needed; and POSE must not wait for the slower sensor.
   bus.never_await(
       {"KEYFRAME", "LIDAR_NODE", "VISUAL_POSE", "LIDAR_POSE", "CONSTRAINT", "LEVEL", "COMMAND"});
-  if (bus.mode() == Mode::kLive)
-    bus.every(kCompletePeriodMs, [this] {
-      follow_recovery();
-      publish_complete();
-    });
+  if (bus.mode() != Mode::kLive) return;
+  bus.listen<status_t>("STATUS", [this](const status_t& m) {
+    const auto [peer, is_new] = peers_.emplace(m.process + "@" + m.host, m.pid);
+    if (is_new || std::exchange(peer->second, m.pid) != m.pid) newcomer_ = true;
+  });
+  bus.every(kTellPeriodMs, [this] {
+    follow_recovery();
+    publish_to_late_ones();
+  });
 }
 
 // The journal gives first where an earlier process had its nodes, then what it was told.
 void PoseGraphProcess::follow_recovery() {
-  if (bus_.recovering() && !earlier_.empty()) graph_.rebuild(std::exchange(earlier_, {}));
+  if (bus_.recovering() && !earlier_.T_map_base.empty())
+    graph_.rebuild(std::exchange(earlier_, {}));
   if (!bus_.recovering()) graph_.rebuilt();
 }
 
@@ -165,24 +178,43 @@ void PoseGraphProcess::publish_news() {
   for (const auto& [id, node] : graph_.take_changes()) changed.push_back(to_message(id, node));
   if (!changed.empty()) {
     publish_graph(changed, false);
-    if (graph_.revision() - last_complete_ >= kRevisionsPerComplete) publish_complete();
+    const bool all_is_little = bus_.mode() != Mode::kLive || graph_.n_nodes() <= kNodesPerPart;
+    if (all_is_little && graph_.revision() - last_complete_ >= kRevisionsPerComplete)
+      publish_complete();
     say_state();
   }
+  for (const auto& [n_placed, retirement] : graph_.take_retirements())
+    bus_.note("RETIRED", to_message(retirement, graph_.newest_utime_us(), n_placed));
   for (const PoseOutput& pose : graph_.take_poses()) publish_pose(pose);
 }
 
 void PoseGraphProcess::publish_complete() {
   std::vector<graph_node_t> all;
-  for (const auto& [id, node] : graph_.nodes()) all.push_back(to_message(id, node));
+  for (const auto& [id, node] : graph_.nodes_after({}, graph_.n_nodes()))
+    all.push_back(to_message(id, node));
   publish_graph(all, true);
   last_complete_ = graph_.revision();
+}
+
+// All of a small graph; of a large one so much as fits into one message, each time what follows. To
+// who has just started all at once.
+void PoseGraphProcess::publish_to_late_ones() {
+  if (newcomer_.exchange(false) || graph_.n_nodes() <= kNodesPerPart) return publish_complete();
+  std::vector<graph_node_t> some;
+  for (const auto& [id, node] : graph_.nodes_after(last_told_, kNodesPerPart)) {
+    some.push_back(to_message(id, node));
+    last_told_ = id;
+  }
+  if (some.size() < kNodesPerPart) last_told_ = {};
+  publish_graph(some, false, false);
 }
 
 std::int64_t PoseGraphProcess::revision() const {
   return std::max(bus_.first_revision(), earlier_revision_) + graph_.revision();
 }
 
-void PoseGraphProcess::publish_graph(const std::vector<graph_node_t>& nodes, bool complete) {
+void PoseGraphProcess::publish_graph(const std::vector<graph_node_t>& nodes, bool complete,
+                                     bool is_news) {
   const std::size_t n_parts =
       std::max<std::size_t>(1, (nodes.size() + kNodesPerPart - 1) / kNodesPerPart);
   for (std::size_t part = 0; part < n_parts; ++part) {
@@ -202,7 +234,7 @@ void PoseGraphProcess::publish_graph(const std::vector<graph_node_t>& nodes, boo
       for (const LoopState& loop : graph_.switched_off())
         message.switched_off.push_back(to_message(loop));
     message.n_switched_off = static_cast<std::int32_t>(message.switched_off.size());
-    if (!complete) bus_.note("GRAPH", message);
+    if (is_news && !complete) bus_.note("GRAPH", message);
     bus_.publish("GRAPH", message);
   }
 }
@@ -217,10 +249,11 @@ void PoseGraphProcess::reject(const char* channel, const char* why) {
 
 void PoseGraphProcess::say_state() {
   const PoseGraphCounts& n = graph_.counts();
-  bus_.set_state_text(std::to_string(graph_.nodes().size()) + " nodes, " + std::to_string(n.loops) +
-                      " loops (" + std::to_string(n.loops_outvoted) + " outvoted), " +
-                      std::to_string(n.ties) + " camera-LiDAR ties, " + std::to_string(n.restarts) +
-                      " restarts, " + std::to_string(n.bundles) + " bundle adjustments" +
+  bus_.set_state_text(std::to_string(graph_.n_nodes()) + " nodes (" + std::to_string(n.retired) +
+                      " carried by others), " + std::to_string(n.loops) + " loops (" +
+                      std::to_string(n.loops_outvoted) + " outvoted), " + std::to_string(n.ties) +
+                      " camera-LiDAR ties, " + std::to_string(n.restarts) + " restarts, " +
+                      std::to_string(n.bundles) + " bundle adjustments" +
                       (n.bundles_refused > 0
                            ? " (" + std::to_string(n.bundles_refused) +
                                  " refused, last: " + graph_.last_bundle().reason + ")"

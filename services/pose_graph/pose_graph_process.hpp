@@ -1,8 +1,11 @@
 // The pose graph on the bus: its inputs to PoseGraph, GRAPH and POSE out.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "bot_core/pose_t.hpp"
@@ -39,7 +42,8 @@ class PoseGraphProcess {
   void follow_recovery();
   void publish_news();
   void publish_complete();
-  void publish_graph(const std::vector<graph_node_t>& nodes, bool complete);
+  void publish_to_late_ones();
+  void publish_graph(const std::vector<graph_node_t>& nodes, bool complete, bool is_news = true);
   void publish_pose(const PoseOutput& pose);
   void reject(const char* channel, const char* why);
   void say_state();
@@ -49,8 +53,11 @@ class PoseGraphProcess {
   std::map<NodeKind, ClockWatch> clock_;
   PoseGraph graph_;
   std::int64_t revision() const;       // as published: never lower than what was published before
-  std::map<NodeId, SE3> earlier_;      // where an earlier process had its nodes, by the journal
+  PoseGraph::Earlier earlier_;         // what the journal says of an earlier process
   std::int64_t last_complete_ = 0;     // revision of graph_
+  NodeId last_told_;                   // the nodes behind it are said next
+  std::map<std::string, int> peers_;   // process and its number; the reader's thread alone
+  std::atomic<bool> newcomer_{false};  // one that knows nothing of the graph yet
   std::int64_t earlier_revision_ = 0;  // the last of an earlier graph
 };
 

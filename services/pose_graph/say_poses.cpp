@@ -32,7 +32,7 @@ PoseOutput PoseGraph::said(const PoseInput& pose) const {
   output.utime_us = pose.utime_us;
   output.reference = *pose.reference;
   output.T_reference_base = pose.T_reference_base;
-  output.T_map_base = nodes_.at(output.reference).T_map_base * pose.T_reference_base;
+  output.T_map_base = T_map(output.reference) * pose.T_reference_base;
   output.covariance = rebuilding_  // nobody hears it
                           ? pose.covariance
                           : chained_covariance(map_covariance(output.reference),
@@ -82,7 +82,7 @@ std::optional<PoseOutput> PoseGraph::bridged(const PoseInput& pose) const {
   } else {
     return std::nullopt;
   }
-  output.T_map_base = nodes_.at(output.reference).T_map_base * output.T_reference_base;
+  output.T_map_base = T_map(output.reference) * output.T_reference_base;
   output.covariance = chained_covariance(map_covariance(output.reference), output.T_reference_base,
                                          output.covariance);
   return output;

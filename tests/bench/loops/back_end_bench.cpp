@@ -134,7 +134,8 @@ class BackEnd {
     watch_.time("finish", [&] { graph_.finish(); });
     pass_on();
     std::ofstream file(out + "/trajectory.tum");
-    for (const auto& [id, node] : graph_.nodes()) session_.T_map_nodes[id] = node.T_map_base;
+    for (const auto& [id, node] : graph_.nodes_after({}, graph_.n_nodes()))
+      session_.T_map_nodes[id] = node.T_map_base;
     for (const FinalPose& pose : final_trajectory(session_)) {
       const SE3 T = pose.T_map_base * robot_.T_base_reference();
       file << tum_line(pose.utime_us, T);

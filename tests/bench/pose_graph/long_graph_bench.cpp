@@ -1,0 +1,147 @@
+// The pose graph over a long drive, as fast as it goes: a journal of pose_graph (what a live
+// session gave it, in its order) is fed to the library. For each minute of the drive: memory, nodes
+// that are unknowns and nodes in all, edges, CPU time per message, and how many nodes GRAPH would
+// carry.
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <malloc.h>
+#include <unistd.h>
+
+#include "libs/eventlog/reader.hpp"
+#include "libs/messages/convert.hpp"
+#include "libs/messages/models.hpp"
+#include "services/pose_graph/graph_messages.hpp"
+#include "services/pose_graph/pose_graph.hpp"
+
+namespace fusion_slam {
+namespace {
+
+// Of this process with its threads: others may be at work on the machine.
+double cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double rss_mb() {
+  malloc_trim(0);
+  std::ifstream file("/proc/self/statm");
+  double pages = 0.0, resident = 0.0;
+  file >> pages >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
+}
+
+template <class Message>
+Message decoded(const LogEvent& event) {
+  Message message;
+  message.decode(event.data.data(), 0, static_cast<int>(event.data.size()));
+  return message;
+}
+
+class LongRun {
+ public:
+  void on(const LogEvent& event) {
+    const double before_s = cpu_s();
+    if (!feed(event)) return;
+    for (const auto& change : graph.take_changes()) said_ += change.first.id > 0 ? 1 : 0;
+    graph.take_poses();
+    graph.take_retirements();
+    const double took_s = cpu_s() - before_s;
+    ++messages_;
+    sum_s_ += took_s;
+    worst_s_ = std::max(worst_s_, took_s);
+    const std::int64_t now_us = graph.newest_utime_us();
+    if (first_us_ == 0) first_us_ = now_us;
+    const double minute = static_cast<double>(now_us - first_us_) * 1e-6 / 60.0;
+    if (minute < next_minute_) return;
+    row(minute);
+    next_minute_ += step;
+  }
+
+  void row(double minute) {
+    const PoseGraphCounts& n = graph.counts();
+    std::printf("%.1f,%.1f,%zu,%zu,%zu,%ld,%ld,%ld,%.3f,%.1f,%ld,%.2f\n", minute, rss_mb(),
+                graph.nodes().size(), graph.n_nodes(), graph.edges().size(), n.loops, n.solves,
+                n.bundles + n.bundles_refused, 1e3 * sum_s_ / static_cast<double>(messages_),
+                1e3 * worst_s_, said_, cpu_s());
+    std::fflush(stdout);
+    messages_ = said_ = 0;
+    sum_s_ = worst_s_ = 0.0;
+  }
+
+  PoseGraph graph;
+  double step = 1.0;  // minutes a row
+  bool use_bundle = true;
+
+ private:
+  bool feed(const LogEvent& event) {
+    std::string why;
+    if (event.channel == "ROBOT_MODEL") {
+      if (const auto robot = from_message(decoded<robot_model_t>(event), &why))
+        graph.set_robot(*robot);
+    } else if (event.channel == "CAMERA_MODEL") {
+      const auto camera = from_message(decoded<camera_model_t>(event), &why);
+      if (camera && use_bundle) graph.set_camera(*camera);
+    } else if (event.channel == "KEYFRAME") {
+      if (const auto node = node_from(decoded<keyframe_t>(event))) graph.add_node(*node);
+    } else if (event.channel == "LIDAR_NODE") {
+      if (const auto node = node_from(decoded<lidar_node_t>(event))) graph.add_node(*node);
+    } else if (event.channel == "VISUAL_POSE") {
+      graph.add_pose(pose_from(NodeKind::kKeyframe, decoded<pose_estimate_t>(event)));
+    } else if (event.channel == "LIDAR_POSE") {
+      graph.add_pose(pose_from(NodeKind::kLidar, decoded<pose_estimate_t>(event)));
+    } else if (event.channel == "ODOMETRY") {
+      const auto m = decoded<bot_core::pose_t>(event);
+      if (const auto T = from_message(m)) graph.add_odometry(m.utime, *T);
+    } else if (event.channel == "CONSTRAINT") {
+      if (const auto loop = loop_from(decoded<constraint_t>(event))) graph.add_loop(*loop);
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  std::int64_t first_us_ = 0;
+  double next_minute_ = 0.0;
+  std::int64_t messages_ = 0;
+  std::int64_t said_ = 0;
+  double sum_s_ = 0.0;
+  double worst_s_ = 0.0;
+};
+
+int run(int argc, char** argv) {
+  CLI::App app(
+      "The pose graph over a long drive: a row (CSV) for each minute with memory, nodes, edges and "
+      "CPU time per message.");
+  std::string journal, poses;
+  LongRun bench;
+  app.add_option("journal", journal,
+                 "pose_graph.lcmlog of a live session, or any log with its inputs")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--step", bench.step, "minutes a row")->check(CLI::PositiveNumber);
+  app.add_flag("!--no-bundle", bench.use_bundle, "no bundle adjustment");
+  app.add_option("--poses", poses, "file for where the nodes are at the end");
+  CLI11_PARSE(app, argc, argv);
+  std::printf(
+      "minute,rss_mb,unknowns,nodes,edges,loops,solves,bundles,ms_a_message,worst_ms,said,cpu_s\n");
+  LogReader reader(journal);
+  LogEvent event;
+  while (reader.next(&event)) bench.on(event);
+  bench.row(99.0);
+  std::ofstream file(poses);
+  for (const auto& [id, node] : bench.graph.nodes_after({}, bench.graph.n_nodes()))
+    file << static_cast<int>(id.kind) << ' ' << id.id << ' ' << node.utime_us << ' '
+         << node.T_map_base.translation().transpose() << '\n';
+  return 0;
+}
+
+}  // namespace
+}  // namespace fusion_slam
+
+int main(int argc, char** argv) { return fusion_slam::run(argc, argv); }
