@@ -79,6 +79,7 @@ TEST(Thinning, OfTwoLoopsThatThenJoinTheSameNodesTheBetterStays) {
       {EdgeKind::kLoop, node(1), node(9), step, covariance(0.05, 0.01), 1.0},
       {EdgeKind::kLoop, node(2), node(9), SE3::Identity(), covariance(0.01, 0.004), 1.0},
       {EdgeKind::kLoop, node(9), node(2), SE3::Identity(), covariance(0.03, 0.004), 1.0}};
+  const double way = effective_covariance(config.noise, edges[0], false).trace();
   Thinning thinning(config, false, &edges);
   Retirement retirement{node(2), node(1), step, {}};
   ASSERT_TRUE(thinning.retire(&retirement));
@@ -88,15 +89,15 @@ TEST(Thinning, OfTwoLoopsThatThenJoinTheSameNodesTheBetterStays) {
   EXPECT_EQ(edges[1].from, node(1));
   EXPECT_EQ(edges[1].said_from, node(2)) << "reports name the loop as it was found";
   EXPECT_TRUE(edges[1].T_from_to.isApprox(step, 1e-12));
-  const double before = effective_covariance(config.noise, edges[0], false).trace();
-  EXPECT_GT(edges[1].covariance.trace(), before) << "no more certain than the way to its carrier";
+  EXPECT_GT(effective_covariance(config.noise, edges[1], false).trace(), way)
+      << "no more certain than the way to its carrier";
 }
 
 // Round and round a block of 24 m in 20 s; loops lead back to where the robot was a round before
 // and in the first one.
 class Rounds {
  public:
-  static constexpr int kPerRound = 40;
+  static constexpr int kPerRound = 24;
 
   explicit Rounds(int n_nodes) {
     std::mt19937 random(5);
@@ -123,7 +124,7 @@ class Rounds {
                               {}});
     }
   }
-  static std::int64_t utime_us(int i) { return 1'000'000 + i * 500'000; }
+  static std::int64_t utime_us(int i) { return 1'000'000 + i * (20'000'000 / kPerRound); }
   static SE3 truth(int i) {
     const double a = 2.0 * M_PI * i / kPerRound;
     return from_xyz_rpy(3.8 * std::sin(a), 3.8 * (1.0 - std::cos(a)), 0, 0, 0, a);
@@ -173,7 +174,7 @@ TEST(Thinning, ManyRoundsStayWhereTheWholeGraphPutsThem) {
     graph->finish();
   }
   EXPECT_EQ(whole.counts().retired, 0);
-  EXPECT_GT(thinned.counts().retired, 150);
+  EXPECT_GT(thinned.counts().retired, 100);
   EXPECT_EQ(thinned.counts().loops, whole.counts().loops);
   const auto poses = all_poses(thinned);
   ASSERT_EQ(poses.size(), static_cast<std::size_t>(kNodes));
@@ -200,7 +201,7 @@ TEST(Thinning, TheGraphStopsGrowing) {
     EXPECT_LE(graph.edges().size(), edges + edges / 5) << "round " << round;
   }
   EXPECT_EQ(graph.n_nodes(), static_cast<std::size_t>(50 * Rounds::kPerRound));
-  EXPECT_LT(graph.nodes().size(), 400U);
+  EXPECT_LT(graph.nodes().size(), 260U);
 }
 
 TEST(Thinning, NothingRetiresInFewRoundsOrOnNewGround) {
@@ -233,7 +234,7 @@ TEST(Thinning, ARestartRetiresTheSameNodes) {
     for (const auto& [id, at] : graph.take_changes()) earlier.T_map_base[id] = at.T_map_base;
     for (const auto& [n, r] : graph.take_retirements()) earlier.retired[n].push_back(r);
   }
-  ASSERT_GT(graph.counts().retired, 100);
+  ASSERT_GT(graph.counts().retired, 50);
   PoseGraph again = camera_graph(true);
   again.rebuild(earlier);
   rounds.feed(&again, 0, kNodes);
