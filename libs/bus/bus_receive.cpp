@@ -18,6 +18,7 @@ constexpr std::int64_t kGapAge_us = 15'000;  // reordering on a network is over 
 constexpr std::int64_t kRequestPeriod_us = 40'000;
 constexpr std::int64_t kGiveUp_us = 2'000'000;
 constexpr std::size_t kMostRequested = 1000;
+constexpr std::size_t kOneDatagram = 65'000;  // as the replay's (logplayer/replay/conductor.cpp)
 // At most so much per period: a burst must fit the asker's socket buffer.
 constexpr std::size_t kAnswerBytes = 256 << 10;
 constexpr std::int64_t kAnswerPeriod_us = 2'000;
@@ -98,6 +99,9 @@ void Bus::Impl::receive(std::size_t index, const std::uint8_t* bytes, std::size_
     changed.wait_for(lock, std::chrono::milliseconds(20));
   inbox.push(std::move(item));
   changed.notify_all();
+  if (options.mode != Mode::kLockstep || type->continues_with_seq || size <= kOneDatagram) return;
+  lock.unlock();
+  send_status();  // a replay sends the next such message when it knows that this one is here
 }
 
 void Bus::Impl::on_resend(const resend_t& request) {

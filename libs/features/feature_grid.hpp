@@ -18,12 +18,19 @@ class FeatureGrid {
             std::vector<int>* indices) const;
 
  private:
-  int cell(double px, int cells) const;
+  // What near() looks at, cell by cell, side by side in memory.
+  struct Entry {
+    float u_px;
+    float v_px;
+    int index;
+    int octave;
+  };
+  static int cell(double px, int cells);
 
-  const std::vector<Feature>* features_;
   int columns_;
   int rows_;
-  std::vector<std::vector<int>> cells_;
+  std::vector<int> begins_;  // of each cell's entries; one more at the end
+  std::vector<Entry> entries_;
 };
 
 }  // namespace fusion_slam

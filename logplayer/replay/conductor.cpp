@@ -57,6 +57,11 @@ const std::map<std::string, const LcmType*>& sensors() {
   return kSensors;
 }
 
+std::size_t hash_of(const LogEvent& event) {
+  return std::hash<std::string_view>()(
+      {reinterpret_cast<const char*>(event.data.data()), event.data.size()});
+}
+
 bool is_decodable(const LogEvent& event) {
   const auto sensor = sensors().find(event.channel);
   const LcmType* type =
@@ -143,6 +148,7 @@ void Conductor::wait_for_processes(int timeout_s) {
 
 Conductor::Counts Conductor::counts_locked() const {
   Counts counts = bus_.published();
+  if (!ahead_channel_.empty()) --counts[ahead_channel_];
   for (const auto& [name, peer] : shared_->last)
     for (const auto& channel : peer.channels) counts[channel.channel] += channel.published;
   for (auto it = counts.begin(); it != counts.end();)
@@ -219,39 +225,66 @@ void Conductor::step_until_quiet() {
   }
 }
 
+bool Conductor::was_recent(const std::string& channel, std::size_t hash) const {
+  const auto recent = recent_.find(channel);
+  return recent != recent_.end() &&
+         std::find(recent->second.begin(), recent->second.end(), hash) != recent->second.end();
+}
+
+bool Conductor::all_have_locked(const std::string& channel, std::int64_t count) const {
+  return std::none_of(shared_->last.begin(), shared_->last.end(), [&](const auto& peer) {
+    const auto& channels = peer.second.channels;
+    return std::any_of(channels.begin(), channels.end(), [&](const channel_stats_t& theirs) {
+      return theirs.channel == channel && theirs.subscribed != 0 && theirs.received < count;
+    });
+  });
+}
+
+// Only what play() will certainly send, and as it would. Not before all say that they have the
+// message before it: messages without a number are counted, and this would be taken for a lost one.
+void Conductor::send_ahead(const LogEvent& event) {
+  const auto published = bus_.published();
+  const auto mine = published.find(event.channel);
+  if (options_.mode != Mode::kLockstep || !ahead_channel_.empty() || mine == published.end() ||
+      peek_seq(event.data.data(), event.data.size()) || !is_decodable(event) ||
+      was_recent(event.channel, hash_of(event)))
+    return;
+  {
+    const std::lock_guard<std::mutex> lock(shared_->mutex);
+    if (!all_have_locked(event.channel, mine->second)) return;
+  }
+  ahead_channel_ = event.channel;
+  ahead_event_ = {event.offset_bytes, event.number};
+  bus_.publish_bytes(event.channel, event.data);
+}
+
 bool Conductor::is_repeat(const LogEvent& event) {
   if (peek_seq(event.data.data(), event.data.size())) return false;
-  const std::size_t hash = std::hash<std::string_view>()(
-      {reinterpret_cast<const char*>(event.data.data()), event.data.size()});
+  const std::size_t hash = hash_of(event);
+  if (was_recent(event.channel, hash)) return true;
   auto& recent = recent_[event.channel];
-  if (std::find(recent.begin(), recent.end(), hash) != recent.end()) return true;
   recent.push_back(hash);
   if (recent.size() > kRepeatMemory) recent.pop_front();
   return false;
 }
 
-Played Conductor::play(const LogEvent& event) {
-  if (!is_decodable(event)) return Played::kUndecodable;
+Played Conductor::play(const LogEvent& event, const LogEvent* next) {
+  const bool is_there = ahead_channel_ == event.channel &&
+                        ahead_event_ == std::pair(event.offset_bytes, event.number);
+  if (!is_there && !is_decodable(event)) return Played::kUndecodable;
   if (is_repeat(event)) return Played::kRepeat;
   const auto published = bus_.published();
   const auto mine = published.find(event.channel);
   const bool first = mine == published.end();
-  // A message of many datagrams is the one that a full buffer loses. Its listeners learn that from
-  // our next STATUS; what came after it on its channel would be handled by then.
-  const auto lacks_the_last = [&](const channel_stats_t& theirs) {
-    return theirs.channel == event.channel && theirs.subscribed != 0 &&
-           theirs.received < mine->second;
-  };
   if (options_.mode == Mode::kThroughput && !first && event.data.size() > kOneDatagram)
-    wait(
-        [&] {
-          return std::none_of(shared_->last.begin(), shared_->last.end(), [&](const auto& peer) {
-            const auto& channels = peer.second.channels;
-            return std::any_of(channels.begin(), channels.end(), lacks_the_last);
-          });
-        },
-        "replay");
-  bus_.publish_bytes(event.channel, renumbered(event, first ? 1 : mine->second + 1));
+    // A message of many datagrams is the one that a full buffer loses. Its listeners learn that
+    // from our next STATUS; what came after it on its channel would be handled by then.
+    wait([&] { return all_have_locked(event.channel, mine->second); }, "replay");
+  if (is_there)
+    ahead_channel_.clear();
+  else
+    bus_.publish_bytes(event.channel, renumbered(event, first ? 1 : mine->second + 1));
+  if (next != nullptr) send_ahead(*next);
   poll_();
   if (options_.mode == Mode::kLockstep) {
     step_until_quiet();

@@ -15,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libs/bus/bus.hpp"
@@ -45,7 +46,10 @@ class Conductor {
   // there is room for the next. Not sent are an exact repeat of a recent message of the same
   // channel (receivers could not tell it from a re-send) and what is no message of the channel's
   // type (they would reject it, and it would look like a loss).
-  Played play(const LogEvent& event);
+  // `next`: null, or an event whose turn comes later, of a channel that has been played before. In
+  // lockstep it is sent already now: its receivers may prepare for it while they wait for others;
+  // no step counts it before its own play(). One at a time.
+  Played play(const LogEvent& event, const LogEvent* next = nullptr);
 
   // Sends COMMAND `verb` to all and returns when all is quiet.
   void command(const std::string& verb, std::int64_t utime_us);
@@ -64,13 +68,19 @@ class Conductor {
   static std::int64_t backlog(const status_t& peer, const Counts& counts);
   std::string who_lags() const;
   void step_until_quiet();
+  bool all_have_locked(const std::string& channel, std::int64_t count) const;
+  bool was_recent(const std::string& channel, std::size_t hash) const;
   bool is_repeat(const LogEvent& event);
+  void send_ahead(const LogEvent& event);
 
   Bus& bus_;
   ConductorOptions options_;
   std::function<void()> poll_;
   std::int64_t step_ = 0;
   std::map<std::string, std::deque<std::size_t>> recent_;
+  // What was sent ahead: its channel (empty: nothing) and its place in the log.
+  std::string ahead_channel_;
+  std::pair<std::int64_t, std::int64_t> ahead_event_;
 
   struct Peers;  // shared with the bus's listener, which may outlive this object
   std::shared_ptr<Peers> shared_;

@@ -1,5 +1,10 @@
 #include "logplayer/run/playback.hpp"
 
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <utility>
+
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/eventlog/reader.hpp"
 #include "libs/schema/guard.hpp"
@@ -15,6 +20,46 @@ void note_sensor_time(const LogEvent& event, PlaybackResult* result) {
   if (result->first_sensor_utime_us == 0) result->first_sensor_utime_us = *utime_us;
   result->last_sensor_utime_us = *utime_us;
 }
+
+// The events of a log that are played, and the next frame of the camera before it is its turn.
+class Upcoming {
+ public:
+  Upcoming(const std::filesystem::path& log, const std::set<std::string>& without)
+      : reader_(log), without_(without) {}
+
+  bool next(LogEvent* event) {
+    if (window_.empty() && !read()) return false;
+    *event = std::move(window_.front());
+    window_.pop_front();
+    return true;
+  }
+  // Null: none among the next `most` events, of which there are not many in memory.
+  const LogEvent* frame(std::int64_t most) {
+    constexpr std::int64_t kWindow = 64;
+    for (std::int64_t i = 0; i < std::min(most, kWindow); ++i) {
+      if (i == static_cast<std::int64_t>(window_.size()) && !read()) return nullptr;
+      const LogEvent& event = window_[static_cast<std::size_t>(i)];
+      if (event.channel == "CAMERA") return &event;
+    }
+    return nullptr;
+  }
+  const LogReader& reader() const { return reader_; }
+
+ private:
+  bool read() {
+    LogEvent event;
+    while (reader_.next(&event)) {
+      if (!is_sensor_channel(event.channel) || !left_in(without_, &event)) continue;
+      window_.push_back(std::move(event));
+      return true;
+    }
+    return false;
+  }
+
+  LogReader reader_;
+  const std::set<std::string>& without_;
+  std::deque<LogEvent> window_;
+};
 
 }  // namespace
 
@@ -40,18 +85,18 @@ bool left_in(const std::set<std::string>& without, LogEvent* event) {
 void play_log(const std::filesystem::path& log, std::int64_t most_events,
               const std::set<std::string>& without, Conductor& conductor, Progress& progress,
               const std::function<void(const LogEvent&)>& on_event, PlaybackResult* result) {
-  LogReader reader(log);
+  Upcoming upcoming(log, without);
   LogEvent event;
   std::int64_t n = 0;
-  while ((most_events == 0 || n < most_events) && reader.next(&event)) {
+  while ((most_events == 0 || n < most_events) && upcoming.next(&event)) {
     if (interrupts() > 0) {
       result->interrupted = true;
       return;
     }
-    if (!is_sensor_channel(event.channel) || !left_in(without, &event)) continue;
     if (n++ == 0) result->first_utime_us = event.timestamp_us;
     result->last_utime_us = event.timestamp_us;
-    switch (conductor.play(event)) {
+    const std::int64_t left = most_events == 0 ? INT64_MAX : most_events - n;
+    switch (conductor.play(event, upcoming.frame(left))) {
       case Played::kYes:
         ++result->played[event.channel];
         note_sensor_time(event, result);
@@ -65,14 +110,14 @@ void play_log(const std::filesystem::path& log, std::int64_t most_events,
         break;
     }
     const double done = most_events > 0 ? static_cast<double>(n) / static_cast<double>(most_events)
-                                        : static_cast<double>(reader.offset_bytes()) /
-                                              static_cast<double>(reader.size_bytes());
+                                        : static_cast<double>(upcoming.reader().offset_bytes()) /
+                                              static_cast<double>(upcoming.reader().size_bytes());
     progress.show(done, 1e-6 * static_cast<double>(result->last_utime_us - result->first_utime_us),
                   conductor.peers());
   }
   progress.show(1.0, 1e-6 * static_cast<double>(result->last_utime_us - result->first_utime_us),
                 conductor.peers(), true);
-  if (reader.damage()) result->damage = reader.damage()->message;
+  if (upcoming.reader().damage()) result->damage = upcoming.reader().damage()->message;
   if (n == 0 && result->damage.empty())
     result->damage = log.string() +
                      " holds none of CAMERA, LIDAR, ODOMETRY and the like: `fusion-slam info` says "

@@ -15,6 +15,7 @@ struct Patch {
   Eigen::Vector3d up;      // unit, the LiDAR's axis
   Eigen::Vector3d normal;  // unit
   double length_m = 0.0;
+  double distance_m = 0.0;  // of its plane from the camera, along the normal
 };
 
 std::vector<Patch> patches_of(const ScanInBase& scan, const RobotModel& robot,
@@ -38,6 +39,7 @@ std::vector<Patch> patches_of(const ScanInBase& scan, const RobotModel& robot,
     // Seen by the LiDAR at less than config.lidar_min_incidence, two returns may be two surfaces.
     const Eigen::Vector3d beam = (patch.start - lidar).normalized();
     if (std::abs(beam.dot(patch.normal)) < config.lidar_min_incidence) continue;
+    patch.distance_m = patch.normal.dot(patch.start);
     patches.push_back(patch);
   }
   return patches;
@@ -74,16 +76,18 @@ int attach_lidar_depth(const ScanInBase& scan, const RobotModel& robot, const Ca
   int n = 0;
   for (Feature& f : set->features) {
     const Eigen::Vector3d ray = camera.unproject(f.u_px, f.v_px, 1.0);
+    const double ray_norm = ray.norm();
+    const double flattest = config.lidar_min_incidence * ray_norm;
     for (const Patch& patch : patches) {
       const double slope = patch.normal.dot(ray);
-      if (std::abs(slope) < config.lidar_min_incidence * ray.norm()) continue;
-      const double z_m = patch.normal.dot(patch.start) / slope;
+      if (std::abs(slope) < flattest) continue;
+      const double z_m = patch.distance_m / slope;
       if (z_m <= 0.0) continue;
       const Eigen::Vector3d offset = z_m * ray - patch.start;
       const double t = offset.dot(patch.along);
       if (t < 0.0 || t > patch.length_m) continue;
       const double height_m = std::abs(offset.dot(patch.up));
-      const double sigma_m = robot.lidar.sigma_m * ray.norm() / std::abs(slope);
+      const double sigma_m = robot.lidar.sigma_m * ray_norm / std::abs(slope);
       const bool has_depth = f.depth_m > 0.0F;
       const double reach_m = has_depth ? config.lidar_reach_agreed_m : config.lidar_reach_m;
       if (height_m > reach_m) continue;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -47,6 +48,23 @@ struct SurfaceView {
 // pair have the same. Pure.
 SurfaceView see_surfaces(const cv::Mat& depth_mm, const CameraModel& camera,
                          const SurfaceConfig& config);
+
+// The surfaces of a depth image, worked out when they are first asked for: most frames have
+// features enough and never ask. Shares the image, which must not be changed. Not thread-safe.
+class SeenSurfaces {
+ public:
+  SeenSurfaces() = default;  // an empty view
+  explicit SeenSurfaces(cv::Mat depth_mm) : depth_mm_(std::move(depth_mm)) {}
+
+  const SurfaceView& view(const CameraModel& camera, const SurfaceConfig& config) const {
+    if (!view_) view_ = depth_mm_.empty() ? SurfaceView{} : see_surfaces(depth_mm_, camera, config);
+    return *view_;
+  }
+
+ private:
+  cv::Mat depth_mm_;
+  mutable std::optional<SurfaceView> view_;
+};
 
 struct SurfaceMotion {
   SE3 T_odom_camera = SE3::Identity();

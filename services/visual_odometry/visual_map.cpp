@@ -21,8 +21,8 @@ auto place_of(std::vector<Observation>& observations, std::int64_t keyframe) {
 
 const MapKeyframe* VisualMap::keyframe(std::int64_t id) const { return find_in(keyframes_, id); }
 MapKeyframe* VisualMap::keyframe(std::int64_t id) { return find_in(keyframes_, id); }
-const Landmark* VisualMap::landmark(std::int64_t id) const { return find_in(landmarks_, id); }
-Landmark* VisualMap::landmark(std::int64_t id) { return find_in(landmarks_, id); }
+const Landmark* VisualMap::landmark(std::int64_t id) const { return landmarks_.find(id); }
+Landmark* VisualMap::landmark(std::int64_t id) { return landmarks_.find(id); }
 
 void VisualMap::add_keyframe(MapKeyframe keyframe) {
   const std::int64_t id = keyframe.id;

@@ -10,6 +10,7 @@
 
 #include "libs/features/feature.hpp"
 #include "libs/geometry/pose.hpp"
+#include "services/visual_odometry/landmark_table.hpp"
 
 namespace fusion_slam {
 
@@ -53,7 +54,7 @@ struct MapKeyframe {
 class VisualMap {
  public:
   using Keyframes = std::map<std::int64_t, MapKeyframe>;
-  using Landmarks = std::map<std::int64_t, Landmark>;
+  using Landmarks = LandmarkTable<Landmark>;
 
   const Keyframes& keyframes() const { return keyframes_; }
   const Landmarks& landmarks() const { return landmarks_; }

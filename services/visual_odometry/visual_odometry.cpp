@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-#include <opencv2/imgproc.hpp>
-
-#include "libs/features/feature_depth.hpp"
 #include "libs/features/pose_refiner.hpp"
+#include "services/visual_odometry/frames_ahead.hpp"
 #include "services/visual_odometry/lidar_depth.hpp"
 #include "services/visual_odometry/relocaliser.hpp"
 
@@ -51,7 +49,7 @@ VisualOdometry::VisualOdometry(const CameraModel& camera, const RobotModel& robo
       mapping_(camera, scales_, config_),
       T_odom_camera_(robot.T_base_camera) {}
 
-TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
+TrackingResult VisualOdometry::track(const RgbdFrame& frame, const FeatureSet* features) {
   TrackingResult refused;
   refused.utime_us = frame.utime_us;
   refused.reason = refuse(frame);
@@ -62,17 +60,17 @@ TrackingResult VisualOdometry::track(const RgbdFrame& frame) {
   look_at_clock(frame.utime_us);
   last_utime_us_ = frame.utime_us;
   take_up_news();
-  if (config_.use_surfaces) now_ = see_surfaces(frame.depth_mm, camera_, config_.surfaces);
-  TrackingResult result = place(frame);
+  if (config_.use_surfaces) now_ = SeenSurfaces(frame.depth_mm);
+  TrackingResult result = place(frame, features);
   if (result.keyframe) surfaces_of_keyframe_ = now_;
   if (result.keyframe) surfaces_keyframe_ = result.keyframe->id;
-  surfaces_ = result.state == TrackingState::kLost ? SurfaceView{} : std::exchange(now_, {});
+  surfaces_ = result.state == TrackingState::kLost ? SeenSurfaces{} : std::exchange(now_, {});
   return result;
 }
 
 // Where the frame was seen from.
-TrackingResult VisualOdometry::place(const RgbdFrame& frame) {
-  FeatureSet set = see(frame);
+TrackingResult VisualOdometry::place(const RgbdFrame& frame, const FeatureSet* features) {
+  FeatureSet set = see(frame, features);
   if (!segment_started_) return lost(frame.utime_us, "", std::move(set));
 
   std::string why = "no pose explains the features";
@@ -82,7 +80,7 @@ TrackingResult VisualOdometry::place(const RgbdFrame& frame) {
     estimate.reset();
   }
   if (!estimate || static_cast<int>(estimate->matched.matches.size()) < config_.min_inliers_ok)
-    if (auto carried = carry_on(frame.utime_us, now_, set)) estimate = std::move(carried);
+    if (auto carried = carry_on(frame.utime_us, set)) estimate = std::move(carried);
   if (!estimate) estimate = find_again(set);
   if (!estimate) return lost(frame.utime_us, why, std::move(set));
   return tracked(frame.utime_us, *estimate, std::move(set));
@@ -142,12 +140,8 @@ std::string VisualOdometry::refuse(const RgbdFrame& frame) const {
   return "";
 }
 
-FeatureSet VisualOdometry::see(const RgbdFrame& frame) {
-  cv::Mat grey;
-  cv::cvtColor(frame.colour_bgr, grey, cv::COLOR_BGR2GRAY);
-  FeatureSet set = extractor_.extract(grey);
-  attach_depth(frame.depth_mm, camera_, &set);
-  undistort(camera_, &set);
+FeatureSet VisualOdometry::see(const RgbdFrame& frame, const FeatureSet* features) {
+  FeatureSet set = features != nullptr ? *features : find_features(extractor_, camera_, frame);
   const bool fresh = scan_ && std::abs(frame.utime_us - scan_->utime_us) <= config_.scan_age_us;
   if (config_.use_lidar_depth && fresh) {
     constexpr double kStep_s = 0.05;
@@ -245,15 +239,15 @@ std::optional<PoseEstimate> VisualOdometry::track_from(const std::vector<Guess>&
 
 // Features fail: surfaces tell what they can, the LiDAR (or, without one, the speed) the rest. Not
 // for long.
-std::optional<PoseEstimate> VisualOdometry::carry_on(std::int64_t utime_us, const SurfaceView& now,
-                                                     const FeatureSet& set) {
+std::optional<PoseEstimate> VisualOdometry::carry_on(std::int64_t utime_us, const FeatureSet& set) {
   const bool bare =
       static_cast<double>(set.size()) < config_.carry_features * config_.orb.n_features;
   if (!bare || utime_us - fix_utime_us_ > config_.carry_us) return std::nullopt;
   // The floor comes in with the features.
   const SE3 guess = lidar_prediction(utime_us).value_or(motion_.predict(utime_us));
-  const auto motion =
-      track_surfaces(surfaces_, T_odom_camera_, now, guess, camera_, nullptr, config_.surfaces);
+  const auto motion = track_surfaces(surfaces_.view(camera_, config_.surfaces), T_odom_camera_,
+                                     now_.view(camera_, config_.surfaces), guess, camera_, nullptr,
+                                     config_.surfaces);
   if (!motion) return std::nullopt;
   ++counts_.carried_frames;
   CameraPosePrior prior;

@@ -34,7 +34,8 @@ class VisualOdometry {
   // Tracks one frame. Frames must come in order of utime (a second or more back: the robot's clock
   // was set back, and this is the next frame); a frame that is older than the last,
   // empty or not of the camera's size gives state kUnknown with the reason and changes nothing.
-  TrackingResult track(const RgbdFrame& frame);
+  // The images must not be changed afterwards. `features`: null, or what find_features() gives.
+  TrackingResult track(const RgbdFrame& frame, const FeatureSet* features = nullptr);
 
   // What the other sensor and the pose graph say; each may be left out altogether.
   void add_scan(LaserScan scan);
@@ -56,7 +57,7 @@ class VisualOdometry {
   std::string refuse(const RgbdFrame& frame) const;  // why not; empty: good
   bool was_set_back(std::int64_t utime_us) const;    // the robot's clock
   void look_at_clock(std::int64_t utime_us);
-  FeatureSet see(const RgbdFrame& frame);
+  FeatureSet see(const RgbdFrame& frame, const FeatureSet* features);
   void take_up_news();
   bool follow_graph();
   void start_mapping();
@@ -69,12 +70,11 @@ class VisualOdometry {
   std::vector<Guess> guesses(std::int64_t utime_us) const;
   std::optional<SE3> lidar_prediction(std::int64_t utime_us) const;  // T_odom_camera
   std::optional<PoseEstimate> track_from(const std::vector<Guess>& guesses, const FeatureSet& set);
-  std::optional<PoseEstimate> carry_on(std::int64_t utime_us, const SurfaceView& now,
-                                       const FeatureSet& set);
+  std::optional<PoseEstimate> carry_on(std::int64_t utime_us, const FeatureSet& set);
   SurfaceTie tie_to_reference() const;
   std::optional<PoseEstimate> find_again(const FeatureSet& set);
   bool contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate) const;
-  TrackingResult place(const RgbdFrame& frame);
+  TrackingResult place(const RgbdFrame& frame, const FeatureSet* features);
   TrackingResult tracked(std::int64_t utime_us, const PoseEstimate& estimate, FeatureSet set);
   TrackingResult lost(std::int64_t utime_us, const std::string& why, FeatureSet set);
   TrackingResult start_segment(std::int64_t utime_us, FeatureSet set);
@@ -95,9 +95,9 @@ class VisualOdometry {
   std::vector<double> scales_;
   MotionModel motion_;
   LidarMotion lidar_motion_;
-  SurfaceView surfaces_;              // of the last frame, when it has a pose; empty otherwise
-  SurfaceView now_;                   // of this frame
-  SurfaceView surfaces_of_keyframe_;  // of keyframe surfaces_keyframe_
+  SeenSurfaces surfaces_;              // of the last frame, when it has a pose; empty otherwise
+  SeenSurfaces now_;                   // of this frame
+  SeenSurfaces surfaces_of_keyframe_;  // of keyframe surfaces_keyframe_
   std::int64_t surfaces_keyframe_ = 0;
   Matrix6d carried_ = Matrix6d::Zero();  // covariance since features were last measured
   std::optional<LaserScan> scan_;

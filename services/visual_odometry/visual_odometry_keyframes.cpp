@@ -97,7 +97,8 @@ void VisualOdometry::start_mapping() {
 SurfaceTie VisualOdometry::tie_to_reference() const {
   SurfaceTie tie;
   if (surfaces_keyframe_ == 0 || surfaces_keyframe_ != reference_) return tie;
-  const auto motion = track_surfaces(surfaces_of_keyframe_, T_odom_reference(), now_,
+  const auto motion = track_surfaces(surfaces_of_keyframe_.view(camera_, config_.surfaces),
+                                     T_odom_reference(), now_.view(camera_, config_.surfaces),
                                      T_odom_camera_, camera_, nullptr, config_.surfaces);
   if (!motion) return tie;
   tie.keyframe = reference_;

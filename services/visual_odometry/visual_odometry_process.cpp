@@ -49,6 +49,15 @@ VisualOdometryProcess::VisualOdometryProcess(Bus& bus, VisualOdometryConfig conf
   bus_.subscribe<graph_t>("GRAPH", Policy::kKeepAll, [this](const graph_t& m) { on_graph(m); });
   bus_.subscribe<bot_core::images_t>("CAMERA", Policy::kLatestOnly,
                                      [this](const bot_core::images_t& m) { on_camera(m); });
+  if (bus.mode() != Mode::kLive)  // on the reader's thread, when it arrives; its turn comes later
+    bus_.listen<bot_core::images_t>("CAMERA", [ahead = ahead_](const bot_core::images_t& m) {
+      const std::lock_guard<std::mutex> lock(ahead->mutex);
+      if (!ahead->frames) return;
+      ahead->frames->begin(m.utime, [m] {
+        std::string why;
+        return from_message(m, &why);
+      });
+    });
   bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                             [this](const command_t& m) { on_command(m); });
   bus_.never_await({"GRAPH", "LIDAR_POSE"});  // they are made of our poses
@@ -127,11 +136,17 @@ void VisualOdometryProcess::on_camera(const bot_core::images_t& message) {
     odometry_ = std::make_unique<VisualOdometry>(*camera_, *robot_, config_);
     odometry_->resume({earlier_.begin(), earlier_.end()}, ids_.next());
     earlier_.clear();
+    const std::lock_guard<std::mutex> lock(ahead_->mutex);
+    if (bus_.mode() != Mode::kLive)
+      ahead_->frames = std::make_shared<FramesAhead>(*camera_, config_.orb);
   }
   std::string why;
-  const std::optional<RgbdFrame> frame = from_message(message, &why);
+  std::optional<SeenFrame> ahead =
+      ahead_->frames ? ahead_->frames->take(message.utime) : std::nullopt;
+  const std::optional<RgbdFrame> frame =
+      ahead ? std::move(ahead->frame) : from_message(message, &why);
   if (!frame) return bus_.report_error("CAMERA refused: " + why);
-  const TrackingResult result = odometry_->track(*frame);
+  const TrackingResult result = odometry_->track(*frame, ahead ? &ahead->features : nullptr);
   if (result.state == TrackingState::kUnknown)
     return bus_.report_error("CAMERA refused: " + result.reason);
   if (result.keyframe) publish_keyframe(*result.keyframe, message);

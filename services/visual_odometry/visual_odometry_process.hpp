@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include "bot_core/images_t.hpp"
@@ -17,6 +18,7 @@
 #include "libs/bus/bus.hpp"
 #include "libs/bus/journal_mark.hpp"
 #include "libs/bus/reset_gate.hpp"
+#include "services/visual_odometry/frames_ahead.hpp"
 #include "services/visual_odometry/visual_odometry.hpp"
 
 namespace fusion_slam {
@@ -47,6 +49,13 @@ class VisualOdometryProcess {
   std::optional<CameraModel> camera_;
   std::optional<RobotModel> robot_;
   std::unique_ptr<VisualOdometry> odometry_;
+  // Of a replay; filled with the first frame. Shared with the bus's listener, which may outlive
+  // this object.
+  struct Ahead {
+    std::mutex mutex;
+    std::shared_ptr<FramesAhead> frames;
+  };
+  std::shared_ptr<Ahead> ahead_ = std::make_shared<Ahead>();
   std::deque<Keyframe> earlier_;  // last keyframes of an earlier process, by the journal
 };
 

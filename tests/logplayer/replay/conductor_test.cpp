@@ -112,6 +112,53 @@ TEST(Conductor, LockstepIsTheSameEachTime) {
   }
 }
 
+// A frame that is sent before its turn is handled in its turn.
+TEST(Conductor, SendingAheadChangesNothing) {
+  const auto transport = std::make_shared<Transport>("memq://");
+  Bus driver(named("replay", Mode::kThroughput), transport);
+  Bus eyes(named("eyes", Mode::kLockstep), transport);
+  std::vector<std::int64_t> seen;
+  eyes.subscribe<bot_core::images_t>("CAMERA", Policy::kLatestOnly,
+                                     [&](const bot_core::images_t& m) { seen.push_back(m.utime); });
+  eyes.subscribe<bot_core::pose_t>("ODOMETRY", Policy::kLatestOnly,
+                                   [&](const bot_core::pose_t& m) { seen.push_back(m.utime); });
+  std::thread thread([&] { eyes.run(); });
+  ConductorOptions options;
+  options.processes = {"eyes"};
+  Conductor conductor(driver, options, [] {});
+  conductor.wait_for_processes(10);
+  const auto frame = [](int i) {
+    bot_core::images_t images{};
+    images.utime = 10 * i;
+    images.n_images = 1;
+    images.image_types = {bot_core::images_t::LEFT};
+    images.images.resize(1);
+    images.images[0].size = 100'000;
+    images.images[0].data.resize(100'000);
+    return LogEvent{i, 2 * i, i, "CAMERA", bus_detail::encode(images)};
+  };
+  std::vector<std::int64_t> expected;
+  for (int i = 1; i <= 5; ++i) {
+    const LogEvent next = frame(i + 1);
+    EXPECT_EQ(conductor.play(frame(i), &next), Played::kYes);
+    expected.push_back(10 * i);
+    EXPECT_EQ(seen, expected);
+    bot_core::pose_t pose{};
+    pose.utime = 10 * i + 1;
+    EXPECT_EQ(conductor.play({i, 2 * i + 1, i, "ODOMETRY", bus_detail::encode(pose)}, &next),
+              Played::kYes);
+    EXPECT_EQ(driver.published()["CAMERA"], i + 1) << "sent when the one before was handled";
+    EXPECT_EQ(conductor.counts()["CAMERA"], i) << "and not counted yet";
+    expected.push_back(10 * i + 1);
+    EXPECT_EQ(seen, expected);
+  }
+  EXPECT_EQ(conductor.play(frame(6)), Played::kYes);
+  EXPECT_EQ(driver.published()["CAMERA"], 6);
+  EXPECT_EQ(conductor.play(frame(6)), Played::kRepeat);
+  eyes.stop();
+  thread.join();
+}
+
 TEST(Conductor, ThroughputLosesNothing) {
   Pipeline pipeline(Mode::kThroughput, 1);
   pipeline.play(Mode::kThroughput, 100);
