@@ -14,7 +14,9 @@ void expect_same(const LandmarkTable<int>& table, const std::map<std::int64_t, i
     const auto it = slow.find(id);
     const int* found = table.find(id);
     ASSERT_EQ(found != nullptr, it != slow.end()) << id;
-    if (found != nullptr) EXPECT_EQ(*found, it->second);
+    if (found != nullptr) {
+      EXPECT_EQ(*found, it->second);
+    }
   }
 }
 
