@@ -135,8 +135,10 @@ void Bus::stop() { impl_->stopping = true; }
 bool Bus::handle(int timeout_ms) {
   impl_->running = true;
   impl_->transport->start();
-  return impl_->options.mode == Mode::kLockstep ? impl_->handle_step(timeout_ms)
-                                                : impl_->handle_one(timeout_ms);
+  if (impl_->options.mode == Mode::kLockstep) return impl_->handle_step(timeout_ms);
+  const bool handled = impl_->handle_one(timeout_ms);
+  if (handled && impl_->journal_is_large()) impl_->renew_journal();
+  return handled;
 }
 
 void Bus::every(int period_ms, std::function<void()> callback) {
@@ -147,6 +149,9 @@ void Bus::keep_in_journal(const std::set<std::string>& channels, Recover when) {
   for (const std::string& channel : channels)
     impl_->journal_channels[channel] = when == Recover::kWhenAsked;
 }
+
+void Bus::keep_journal_small(JournalNeeds needs) { impl_->needs = std::move(needs); }
+bool Bus::renew_journal() { return impl_->renew_journal(); }
 
 void Bus::recover() {
   if (std::exchange(impl_->asked_to_recover, true)) return;

@@ -97,6 +97,22 @@ class Bus {
   void note(const std::string& channel, const Message& message);
   template <class Message>
   void on_note(const std::string& channel, std::function<void(const Message&)> handler);
+  // What a restart needs of the journal, when that is less than all.
+  struct JournalNeeds {
+    std::set<std::string> first_of;  // of these channels the first message is enough (models)
+    // Numbers of the messages of other channels in keep_in_journal() that are still needed. What
+    // has no number is not.
+    std::function<std::set<std::int64_t>(const std::string& channel)> numbers;
+    // Calls note() with everything that on_note() of a restart has to be given.
+    std::function<void()> note_state;
+  };
+  // The journal grows with what there is to keep, not with time: grown to twice of what was kept
+  // last (64 MB at least) it is written anew, with that and, of what was said, with what RESEND can
+  // still be answered by. All numbers go on. Not for who keeps tiles it has said. Before run().
+  void keep_journal_small(JournalNeeds needs);
+  // The same at once, for tests; from the thread of run(), or when it has ended. False: there is no
+  // journal, or its disk is full.
+  bool renew_journal();
   // Live: larger than any that an earlier process of this name can have begun with (seconds since
   // 1970 times a million, or above what its journal holds). Replays: 0.
   std::int64_t first_revision() const;

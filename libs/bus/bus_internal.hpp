@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 
+#include "fusion_slam/command_t.hpp"
 #include "fusion_slam/resend_t.hpp"
 #include "fusion_slam/step_t.hpp"
 #include "libs/bus/bus.hpp"
@@ -112,8 +113,9 @@ struct Bus::Impl {
     Handler handler;
     bool sent = false;  // false: notes, for the journal alone
   };
-  void open_journal();          // hands over what is in it, or waits with that until recover()
-  void mark_journal(bool cut);  // journal_mutex held
+  void open_journal();           // hands over what is in it, or waits with that until recover()
+  void mark_journal(bool cut);   // journal_mutex held
+  static std::string boot_id();  // another one after each start of the machine; empty: unknown
   void skip_lost_numbers();
   void read_said();
   void read_handled(bool when_asked);
@@ -121,6 +123,32 @@ struct Bus::Impl {
   void write_said(const std::string& channel, const std::vector<std::uint8_t>& bytes);
   void append_to_journal(const std::string& channel, const std::vector<std::uint8_t>& bytes);
   void hand_over(const std::string& channel, const Handler& handler, const LogEvent& event);
+  // Of a channel that is heard and journalled: what of it is in the journal.
+  struct Heard {
+    SequenceTracker sequence{false};  // numbers handled, by this process or before
+    std::int64_t newest_utime_us = 0;
+    std::int64_t told_upto = 0;  // by the mark of an earlier renewal
+    std::int64_t told_utime_us = 0;
+    std::set<std::int64_t> told_missing;
+    std::vector<std::uint8_t> first;  // message, when that is what is needed
+    std::map<std::int64_t, std::pair<std::int64_t, std::int64_t>> at;  // number: offset, record
+  };
+  // bus_journal_renewal.cpp
+  bool journal_is_large();
+  bool renew_journal();
+  bool keep_said_and_heard();  // in the new file
+  void tell_said(const command_t& mark);
+  // `at`: the record's. False: a mark of an earlier renewal has told its number.
+  bool was_heard(const std::string& channel, const std::vector<std::uint8_t>& bytes,
+                 const JournalState& at);
+  std::vector<std::int64_t> tell_heard(const command_t& mark);
+  bool append_anew(const std::string& channel, const std::vector<std::uint8_t>& bytes);
+  std::optional<JournalNeeds> needs;
+  std::map<std::string, Heard> heard;    // journal_mutex
+  std::int64_t journal_limit_bytes = 0;  // 0: not known yet
+  bool renewing = false;                 // notes go into the new file; handling thread
+  bool renewal_failed = false;
+
   std::map<std::string, bool> journal_channels;  // true: handed over when asked
   std::map<std::string, Said> said;
   bool asked_to_recover = false;

@@ -15,14 +15,6 @@ namespace {
 
 constexpr std::int64_t kRevisionStep = 1'000'000;  // more tiles than one process makes of a key
 
-// Another one after each start of the machine; empty when it can't be known.
-std::string boot_id() {
-  std::ifstream in("/proc/sys/kernel/random/boot_id");
-  std::string id;
-  std::getline(in, id);
-  return id;
-}
-
 command_t mark_from(const LogEvent& event) {
   command_t mark{};
   if (mark.decode(event.data.data(), 0, static_cast<int>(event.data.size())) < 0) return {};
@@ -39,6 +31,13 @@ void read_first(const std::string& file, std::int64_t n_records, OnRecord on_rec
 }
 
 }  // namespace
+
+std::string Bus::Impl::boot_id() {
+  std::ifstream in("/proc/sys/kernel/random/boot_id");
+  std::string id;
+  std::getline(in, id);
+  return id;
+}
 
 void Bus::Impl::open_journal() {
   const bool wanted = !journal_channels.empty() || !said.empty();
@@ -75,7 +74,11 @@ void Bus::Impl::read_said() {
   recovering = true;
   const LcmType* tile_type = builtin_schema().find("fusion_slam.tile_t");
   read_first(options.journal, n_to_recover, [&](const LogEvent& event) {
-    if (event.channel == kJournalMark && mark_from(event).verb == kJournalCut) skip_lost_numbers();
+    if (event.channel == kJournalMark) {
+      const command_t mark = mark_from(event);
+      if (mark.verb == kJournalCut) skip_lost_numbers();
+      if (mark.verb == kJournalSaid) tell_said(mark);
+    }
     const auto it = said.find(event.channel);
     if (it == said.end()) return;
     if (it->second.sent) {
@@ -95,6 +98,16 @@ void Bus::Impl::read_said() {
     hand_over(event.channel, it->second.handler, event);
   });
   recovering = false;
+}
+
+// A journal that was written anew begins with how far counting had come.
+void Bus::Impl::tell_said(const command_t& mark) {
+  const std::vector<std::int64_t> numbers = numbers_from_text(mark.argument);
+  if (numbers.empty()) return;
+  std::map<std::int64_t, std::int64_t> never;
+  for (std::size_t i = 1; i + 1 < numbers.size(); i += 2) never[numbers[i + 1]] = numbers[i];
+  const std::lock_guard<std::mutex> lock(out_mutex);
+  outbox.was_given(mark.target, numbers.front(), never);
 }
 
 // None of those that may have been lost is given a second time: listeners know them.
@@ -132,7 +145,19 @@ void Bus::Impl::read_handled(bool when_asked) {
   };
   std::vector<Number> numbers;
   std::int64_t n = 0;
+  std::int64_t n_records = 0;
   read_first(options.journal, n_to_recover, [&](const LogEvent& event) {
+    const JournalState at{n_records++, event.offset_bytes};
+    if (event.channel == kJournalMark) {
+      const command_t mark = mark_from(event);
+      const auto told = by_name.find(mark.target);
+      const auto wanted = journal_channels.find(mark.target);
+      if (mark.verb == kJournalHeard && told != by_name.end() && wanted != journal_channels.end() &&
+          wanted->second == when_asked)
+        for (const std::int64_t seq : tell_heard(mark))
+          numbers.push_back({told->second, seq, mark.utime});
+      return;
+    }
     const auto it = by_name.find(event.channel);
     const auto wanted = journal_channels.find(event.channel);
     if (it == by_name.end() || wanted == journal_channels.end() || wanted->second != when_asked)
@@ -144,7 +169,7 @@ void Bus::Impl::read_handled(bool when_asked) {
     }
     hand_over(event.channel, *handler, event);
     ++n;
-    if (handler->type->continues_with_seq)
+    if (was_heard(event.channel, event.data, at) && handler->type->continues_with_seq)
       numbers.push_back({it->second, peek_seq(event.data.data(), event.data.size()).value_or(0),
                          peek_utime(event.data.data(), event.data.size()).value_or(0)});
   });
@@ -166,7 +191,14 @@ void Bus::Impl::write_to_journal(const InboxItem& item) {
     const std::lock_guard<std::mutex> lock(mutex);
     channel = inbox.channels()[item.channel].name;
   }
-  if (journal_channels.count(channel) != 0) append_to_journal(channel, item.bytes);
+  if (journal_channels.count(channel) == 0) return;
+  JournalState at;
+  {
+    const std::lock_guard<std::mutex> lock(journal_mutex);
+    at = journal->newest();
+  }
+  append_to_journal(channel, item.bytes);
+  was_heard(channel, item.bytes, at);
 }
 
 void Bus::Impl::write_said(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
@@ -177,6 +209,10 @@ void Bus::Impl::write_said(const std::string& channel, const std::vector<std::ui
 void Bus::Impl::append_to_journal(const std::string& channel,
                                   const std::vector<std::uint8_t>& bytes) {
   const std::lock_guard<std::mutex> lock(journal_mutex);
+  if (renewing && journal) {
+    renewal_failed |= !append_anew(channel, bytes);
+    return;
+  }
   if (!journal || journal->append(wall_us(), channel, bytes.data(), bytes.size())) return;
   report("the journal " + options.journal +
          " can't be written: is the disk full? A restart would lose " + channel + " from now on");

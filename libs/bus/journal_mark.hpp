@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "fusion_slam/command_t.hpp"
 #include "libs/bus/bus.hpp"
@@ -15,6 +18,25 @@ namespace fusion_slam {
 constexpr const char* kJournalMark = "JOURNAL";
 constexpr const char* kJournalOpened = "opened";  // verb: all is there
 constexpr const char* kJournalCut = "cut";        // verb: what came last may be lost
+
+// What a journal that was written anew says of what is left out; target: the channel.
+// argument: numbers up to this one were given and are left out; then pairs (from, to) never given.
+constexpr const char* kJournalSaid = "said";
+// argument: numbers up to this one were handled; then those that were not. utime: of the newest.
+constexpr const char* kJournalHeard = "heard";
+
+inline std::string numbers_to_text(const std::vector<std::int64_t>& numbers) {
+  std::string text;
+  for (const std::int64_t number : numbers) text += std::to_string(number) + " ";
+  return text;
+}
+// Ends at what is no number.
+inline std::vector<std::int64_t> numbers_from_text(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::int64_t> numbers;
+  for (std::int64_t number = 0; in >> number;) numbers.push_back(number);
+  return numbers;
+}
 
 // Where counting goes on when nobody knows how many behind `last` are lost: at the beginning of a
 // thousand, at least 500 further on (minutes of keyframes; a kernel writes within half a minute).

@@ -44,6 +44,21 @@ void Outbox::skip_to(const std::string& name, std::int64_t last) {
   channel.count = last;
 }
 
+const Outbox::Recent& Outbox::recent(const std::string& name) { return channels_[name].recent; }
+
+std::map<std::int64_t, std::int64_t> Outbox::never_given(const std::string& name,
+                                                         std::int64_t last) {
+  const auto& all = channels_[name].never_given;
+  return {all.begin(), all.upper_bound(last)};
+}
+
+void Outbox::was_given(const std::string& name, std::int64_t last,
+                       const std::map<std::int64_t, std::int64_t>& never_given) {
+  Channel& channel = channels_[name];
+  channel.count = std::max(channel.count, last);
+  channel.never_given.insert(never_given.begin(), never_given.end());
+}
+
 void Outbox::forget(const std::string& name) {
   Channel& channel = channels_[name];
   channel.recent.clear();

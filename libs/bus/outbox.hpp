@@ -38,6 +38,15 @@ class Outbox {
   // with it what had them. Nothing happens when `last` has been reached.
   void skip_to(const std::string& channel, std::int64_t last);
 
+  // What is still here of the latest messages, by number; and the numbers up to `last` that were
+  // never given, as last -> first.
+  using Recent = std::deque<std::pair<std::int64_t, Bytes>>;
+  const Recent& recent(const std::string& channel);
+  std::map<std::int64_t, std::int64_t> never_given(const std::string& channel, std::int64_t last);
+  // An earlier process gave the numbers up to `last`, but for these.
+  void was_given(const std::string& channel, std::int64_t last,
+                 const std::map<std::int64_t, std::int64_t>& never_given);
+
   // Records a message that is never asked for again (STATUS and the like): counted, not kept.
   void sent_once(const std::string& channel, std::size_t size_bytes);
 
@@ -64,8 +73,8 @@ class Outbox {
   struct Channel {
     std::int64_t count = 0;
     std::int64_t bytes = 0;
-    std::deque<std::pair<std::int64_t, Bytes>> recent;  // by number
-    std::map<std::int64_t, std::int64_t> never_given;   // last -> first
+    Recent recent;
+    std::map<std::int64_t, std::int64_t> never_given;  // last -> first
     std::size_t recent_bytes = 0;
     std::map<TileKey, StoredTile> tiles;
   };

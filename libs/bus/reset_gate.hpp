@@ -26,6 +26,13 @@ class ResetGate {
     return true;
   }
 
+  // What is not newer is stale; a process that is started again begins with it. us since the epoch.
+  std::int64_t border_us() const { return reset_us_; }
+  void restore(std::int64_t border_us) {
+    reset_us_ = border_us;
+    newest_us_ = std::max(newest_us_, border_us);
+  }
+
   // Of each input: false when it is of the map before the last reset. us since the epoch, when it
   // was measured.
   bool passes(std::int64_t utime_us) {

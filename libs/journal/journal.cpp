@@ -99,35 +99,40 @@ Journal::Journal(const std::filesystem::path& file,
                  const std::function<void(const LogEvent&)>& on_record)
     : path_(file) {
   const auto fail = [&](const std::string& why) {
-    if (file_ >= 0) close(file_);
+    if (current_.file >= 0) close(current_.file);
     throw std::runtime_error("journal " + path_.string() + ": " + why);
   };
   const bool existed = access(path_.c_str(), F_OK) == 0;
-  file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (file_ < 0) fail(std::strerror(errno));
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0)
+  const int fd = current_.file = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd < 0) fail(std::strerror(errno));
+  if (flock(fd, LOCK_EX | LOCK_NB) != 0)
     fail("another process writes it: does the same service run twice?");
   std::uint8_t head[4] = {};
-  const ssize_t n = pread(file_, head, sizeof head, 0);
+  const ssize_t n = pread(fd, head, sizeof head, 0);
   if (n == 4 && (head[0] != 0xED || head[1] != 0xA1 || head[2] != 0xDA || head[3] != 0x01))
     fail("this is no LCM log: give another folder");
-  state_ = read_journal(path_, on_record);
-  state_.existed = existed;
-  if (state_.cut_bytes > 0 && ftruncate(file_, state_.whole_bytes) != 0) fail(std::strerror(errno));
-  lseek(file_, state_.whole_bytes, SEEK_SET);
+  current_.state = read_journal(path_, on_record);
+  current_.state.existed = existed;
+  const std::int64_t whole_bytes = current_.state.whole_bytes;
+  if (current_.state.cut_bytes > 0 && ftruncate(fd, whole_bytes) != 0) fail(std::strerror(errno));
+  lseek(fd, whole_bytes, SEEK_SET);
+  unlink(path_anew().c_str());  // of a process that was killed: this one is whole
 }
 
 Journal::~Journal() {
-  if (file_ >= 0) close(file_);
+  wait_for_disk();
+  if (is_renewed()) take_its_place();
+  if (current_.file >= 0) close(current_.file);
 }
 
-bool Journal::append(std::int64_t timestamp_us, const std::string& channel,
-                     const std::uint8_t* bytes, std::size_t size_bytes) {
+bool Journal::write_record(std::int64_t timestamp_us, const std::string& channel,
+                           const std::uint8_t* bytes, std::size_t size_bytes, File* file) {
   std::vector<std::uint8_t> record;
   record.reserve(static_cast<std::size_t>(kLogHeaderBytes) + channel.size() + size_bytes);
+  JournalState& state = file->state;
   put(&record, kLogSync, 4);
-  const std::uint32_t crc = checksum(state_.n_records, timestamp_us, channel, bytes, size_bytes);
-  put(&record, static_cast<std::uint64_t>(event_number(state_.n_records, crc)), 8);
+  const std::uint32_t crc = checksum(state.n_records, timestamp_us, channel, bytes, size_bytes);
+  put(&record, static_cast<std::uint64_t>(event_number(state.n_records, crc)), 8);
   put(&record, static_cast<std::uint64_t>(timestamp_us), 8);
   put(&record, channel.size(), 4);
   put(&record, size_bytes, 4);
@@ -135,19 +140,110 @@ bool Journal::append(std::int64_t timestamp_us, const std::string& channel,
   record.insert(record.end(), bytes, bytes + size_bytes);
   std::size_t done = 0;
   while (done < record.size()) {
-    const ssize_t n = write(file_, record.data() + done, record.size() - done);
+    const ssize_t n = write(file->file, record.data() + done, record.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
-      if (ftruncate(file_, state_.whole_bytes) == 0) lseek(file_, state_.whole_bytes, SEEK_SET);
+      if (ftruncate(file->file, state.whole_bytes) == 0)
+        lseek(file->file, state.whole_bytes, SEEK_SET);
       return false;
     }
     done += static_cast<std::size_t>(n);
   }
-  ++state_.n_records;
-  state_.whole_bytes += static_cast<std::int64_t>(record.size());
+  ++state.n_records;
+  state.whole_bytes += static_cast<std::int64_t>(record.size());
   return true;
 }
 
-bool Journal::sync() { return fdatasync(file_) == 0; }
+bool Journal::append(std::int64_t timestamp_us, const std::string& channel,
+                     const std::uint8_t* bytes, std::size_t size_bytes) {
+  if (is_renewed() && synced_) take_its_place();
+  if (is_renewed() && !append_anew(timestamp_us, channel, bytes, size_bytes)) abandon_anew();
+  return write_record(timestamp_us, channel, bytes, size_bytes, &current_);
+}
+
+bool Journal::begin_anew() {
+  if (is_renewed()) return false;
+  const int fd = open(path_anew().c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (fd < 0) return false;
+  anew_ = {fd, JournalState{}};
+  synced_ = sync_failed_ = false;
+  // Held when it takes the old one's place: a second process must find it taken.
+  if (flock(fd, LOCK_EX | LOCK_NB) == 0) return true;
+  abandon_anew();
+  return false;
+}
+
+bool Journal::append_anew(std::int64_t timestamp_us, const std::string& channel,
+                          const std::uint8_t* bytes, std::size_t size_bytes) {
+  return is_renewed() && write_record(timestamp_us, channel, bytes, size_bytes, &anew_);
+}
+
+// On a thread of its own, because a disk may take seconds.
+bool Journal::finish_anew() {
+  if (!is_renewed()) return false;
+  wait_for_disk();
+  syncing_ = std::thread([this, fd = anew_.file] {
+    if (fdatasync(fd) != 0) sync_failed_ = true;
+    synced_ = true;
+  });
+  return true;
+}
+
+void Journal::wait_for_disk() {
+  if (syncing_.joinable()) syncing_.join();
+}
+
+void Journal::take_its_place() {
+  wait_for_disk();
+  if (!synced_ || sync_failed_ || rename(path_anew().c_str(), path_.c_str()) != 0)
+    return abandon_anew();
+  close(current_.file);
+  current_ = anew_;
+  current_.state.existed = true;
+  anew_ = {};
+}
+
+void Journal::abandon_anew() {
+  wait_for_disk();
+  if (anew_.file >= 0) close(anew_.file);
+  anew_ = {};
+  unlink(path_anew().c_str());
+}
+
+std::optional<LogEvent> Journal::record_at(std::int64_t offset_bytes, std::int64_t number) const {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(kLogHeaderBytes));
+  const auto read_all = [&](std::uint8_t* to, std::size_t size, std::int64_t from) {
+    while (size > 0) {
+      const ssize_t n = pread(current_.file, to, size, from);
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      to += n;
+      from += n;
+      size -= static_cast<std::size_t>(n);
+    }
+    return true;
+  };
+  if (!read_all(bytes.data(), bytes.size(), offset_bytes)) return std::nullopt;
+  const std::int64_t channel_bytes = get(bytes.data() + 20, 4);
+  const std::int64_t data_bytes = get(bytes.data() + 24, 4);
+  if (get(bytes.data(), 4) != kLogSync || channel_bytes > kMaxLogChannelBytes ||
+      data_bytes > current_.state.whole_bytes - offset_bytes)
+    return std::nullopt;
+  LogEvent event;
+  event.offset_bytes = offset_bytes;
+  event.number = get(bytes.data() + 4, 8);
+  event.timestamp_us = get(bytes.data() + 12, 8);
+  bytes.resize(static_cast<std::size_t>(channel_bytes));
+  event.data.resize(static_cast<std::size_t>(data_bytes));
+  const std::int64_t at = offset_bytes + kLogHeaderBytes;
+  if (!read_all(bytes.data(), bytes.size(), at) ||
+      !read_all(event.data.data(), event.data.size(), at + channel_bytes))
+    return std::nullopt;
+  event.channel.assign(bytes.begin(), bytes.end());
+  if (!is_whole(event, number)) return std::nullopt;
+  return event;
+}
+
+bool Journal::sync() { return fdatasync(current_.file) == 0; }
 
 }  // namespace fusion_slam

@@ -3,10 +3,13 @@
 // (docs/formats.md has the byte table).
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <thread>
 
 #include "libs/eventlog/event.hpp"
 
@@ -42,12 +45,41 @@ class Journal {
               std::size_t size_bytes);
   bool sync();
 
-  const JournalState& state() const { return state_; }
+  // Writing it anew, with what is still needed, so that it doesn't grow for ever: begin_anew(),
+  // then append_anew() for each record to keep, then finish_anew(). The new file (`FILE.new`) takes
+  // the old one's place once it is on the disk, at one of the next append() or at the end: until
+  // then each append() goes into both, and a crash leaves the old one whole. False: the disk is
+  // full; the old one goes on.
+  bool begin_anew();
+  bool append_anew(std::int64_t timestamp_us, const std::string& channel, const std::uint8_t* bytes,
+                   std::size_t size_bytes);
+  bool finish_anew();
+  void abandon_anew();                                 // the old one goes on
+  bool is_renewed() const { return anew_.file >= 0; }  // begun, not in its place yet
+
+  const JournalState& state() const { return current_.state; }
+  // A record of the old file, by its offset. Nothing when it is damaged.
+  std::optional<LogEvent> record_at(std::int64_t offset_bytes, std::int64_t number) const;
+  // Of the new file when there is one, else of the old: where the next record will begin.
+  const JournalState& newest() const { return is_renewed() ? anew_.state : current_.state; }
 
  private:
+  struct File {
+    int file = -1;
+    JournalState state;
+  };
+  static bool write_record(std::int64_t timestamp_us, const std::string& channel,
+                           const std::uint8_t* bytes, std::size_t size_bytes, File* file);
+  std::filesystem::path path_anew() const { return path_.string() + ".new"; }
+  void take_its_place();  // when the new one is on the disk
+  void wait_for_disk();
+
   std::filesystem::path path_;
-  int file_ = -1;
-  JournalState state_;
+  File current_;
+  File anew_;
+  std::thread syncing_;  // touches nothing but the new file's descriptor and these two
+  std::atomic<bool> synced_{false};
+  std::atomic<bool> sync_failed_{false};
 };
 
 }  // namespace fusion_slam

@@ -58,6 +58,7 @@ void BaseMap::extend(const DenseSubmap& submap) {
     if (bytes.empty()) continue;
     bytes.shrink_to_fit();
     cubes_[index] = std::move(bytes);
+    changed_cubes_.insert(index);
     cube_at(&hot_, index) = sum;
   }
   OpenTiles tiles;
@@ -92,6 +93,7 @@ void BaseMap::rebuild_cells(const std::set<CubeIndex>& cubes, const DenseSubmaps
   for (auto& [index, cells] : sums) {
     PackedBytes bytes = pack_cells(*cells);
     bytes.shrink_to_fit();
+    changed_cubes_.insert(index);
     if (bytes.empty())
       cubes_.erase(index);
     else
@@ -106,6 +108,7 @@ void BaseMap::rebuild_points(const std::set<CubeIndex>& cubes, const DenseSubmap
   for (const CubeIndex& index : cubes)
     for (const TileKey& key : cloud_tiles_of(index)) {
       tiles.insert(key);
+      changed_clouds_.insert(key);
       clouds_.erase(key);
       hot_clouds_.erase(key);
     }
@@ -161,6 +164,7 @@ void BaseMap::pack(OpenTiles* tiles) {
     bytes.shrink_to_fit();
     clouds_[key] = std::move(bytes);
     hot_clouds_[key] = std::move(tile.points);
+    changed_clouds_.insert(key);
   }
 }
 
@@ -170,6 +174,12 @@ std::vector<ColouredPoint> BaseMap::points(const TileKey& key) const {
   const auto it = clouds_.find(key);
   if (it == clouds_.end()) return {};
   return unpack_cloud({*it}, cloud_resolution_m_);
+}
+
+void BaseMap::restore(PackedCubes cubes, PackedCloud clouds) {
+  cubes_ = std::move(cubes);
+  clouds_ = std::move(clouds);
+  forget_unpacked();
 }
 
 std::size_t BaseMap::size_bytes() const {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "services/dense_mapper/compose.hpp"
@@ -38,6 +39,11 @@ class BaseMap {
   // Packed content of the cubes that hold known voxels.
   const PackedCubes& cubes() const { return cubes_; }
 
+  // Cubes and tiles of the cloud that were written since the last call.
+  std::set<CubeIndex> take_changed_cubes() { return std::exchange(changed_cubes_, {}); }
+  std::set<TileKey> take_changed_clouds() { return std::exchange(changed_clouds_, {}); }
+  void restore(PackedCubes cubes, PackedCloud clouds);  // as an earlier process had them
+
   void forget_unpacked() {  // memory for time
     hot_.clear();
     hot_clouds_.clear();
@@ -64,6 +70,8 @@ class BaseMap {
   PackedCloud clouds_;
   VoxelCubes hot_;                                            // unpacked, of cubes_
   std::map<TileKey, std::vector<ColouredPoint>> hot_clouds_;  // of clouds_
+  std::set<CubeIndex> changed_cubes_;
+  std::set<TileKey> changed_clouds_;
 };
 
 // Where a point of tile `key` lies in its 32^3 voxels: 0 ... 32767; of clouds with this voxel size.

@@ -8,8 +8,7 @@
 namespace fusion_slam {
 namespace {
 
-constexpr double kCloudVoxelsPerCell = 2.0;  // the cloud is twice as fine as the OctoMap
-constexpr double kExactSlackM = 1e-6;        // rounding is not motion
+constexpr double kExactSlackM = 1e-6;   // rounding is not motion
 constexpr double kSubmapRadiusM = 4.0;  // how far from its anchor a submap matters, for the slack
 
 // How far `to` moves a point at the submap's rim against `from`.
@@ -37,13 +36,20 @@ std::int64_t DenseMapper::submap_of(std::int64_t keyframe_id) const {
   return keyframe_id < first_id_ ? 0 : (keyframe_id - first) / n * n + first;
 }
 
+void DenseMapper::begin_at(std::int64_t id) {
+  first_id_ = id;
+  changes_.values = true;
+}
+
 SE3 DenseMapper::pose_of(std::int64_t keyframe_id) const {
   const SE3& T = T_map_base_.at(keyframe_id);
   return robot_.planar ? to_se3(to_se2(T)) : T;
 }
 
 // Where a submap belongs now: as the graph says, and with what is known of the mounting since.
+// Where it is as long as the graph says nothing.
 SE3 DenseMapper::placement(std::int64_t id, const DenseSubmap& submap) const {
+  if (T_map_base_.count(id) == 0) return submap.T_map_submap;
   return pose_of(id) * mounting_.correction() * submap.T_true_base.inverse();
 }
 
@@ -52,7 +58,7 @@ bool DenseMapper::add_keyframe(std::int64_t id, const RgbdFrame& frame) {
   if (id < 1 || frame.colour_bgr.size() != size || frame.depth_mm.size() != size ||
       frame.colour_bgr.type() != CV_8UC3 || frame.depth_mm.type() != CV_16UC1)
     return false;
-  if (waiting_.count(id) != 0 || integrated_.count(id) != 0) return false;
+  if (has(id)) return false;
   waiting_.emplace(id, make_depth_cloud(frame, camera_, robot_.map_resolution_m, config_));
   if (waiting_.size() > config_.max_waiting) {
     waiting_.erase(waiting_.begin());
@@ -62,41 +68,55 @@ bool DenseMapper::add_keyframe(std::int64_t id, const RgbdFrame& frame) {
 }
 
 void DenseMapper::set_pose(std::int64_t id, const SE3& T_map_base, std::int64_t utime_us) {
-  T_map_base_[id] = T_map_base;
+  // Others hang on their submap's anchor: memory grows with the area, not with time.
+  if (!integrated_.contains(id) || submaps_.count(id) != 0) T_map_base_[id] = T_map_base;
   graph_us_ = std::max(graph_us_, utime_us);
   if (wish_ && id == wish_->anchor_id) check_wish();
 }
 
 void DenseMapper::integrate_ready() {
   for (auto it = waiting_.begin(); it != waiting_.end();) {
-    const std::int64_t submap_id = submap_of(it->first);
-    if (T_map_base_.count(it->first) == 0 || T_map_base_.count(submap_id) == 0) {
+    if (!ready(it->first)) {
       ++it;
       continue;
     }
+    const std::int64_t submap_id = submap_of(it->first);
     integrate(it->first, submap_id, it->second);
     integrated_.insert(it->first);
+    to_repeat_.erase(it->first);
+    if (it->first != submap_id) T_map_base_.erase(it->first);
     it = waiting_.erase(it);
   }
+}
+
+DenseSubmap& DenseMapper::submap_for(std::int64_t submap_id) {
+  auto it = submaps_.find(submap_id);
+  if (it != submaps_.end()) return it->second;
+  it =
+      submaps_.emplace(submap_id, DenseSubmap(robot_.map_resolution_m / kCloudVoxelsPerCell)).first;
+  it->second.T_true_base = mounting_.correction();
+  it->second.T_map_submap = placement(submap_id, it->second);
+  placed_submap(submap_id);
+  return it->second;
 }
 
 void DenseMapper::integrate(std::int64_t keyframe_id, std::int64_t submap_id,
                             const DepthCloud& cloud) {
   const double resolution_m = robot_.map_resolution_m;
-  if (robot_.planar) mounting_.add(cloud, robot_.T_base_camera);
-  auto it = submaps_.find(submap_id);
-  if (it == submaps_.end()) {
-    it = submaps_.emplace(submap_id, DenseSubmap(resolution_m / kCloudVoxelsPerCell)).first;
-    it->second.T_true_base = mounting_.correction();
-    it->second.T_map_submap = placement(submap_id, it->second);
-  }
-  DenseSubmap& submap = it->second;
-  const SE3 T_submap_camera = pose_of(submap_id).inverse() * pose_of(keyframe_id) *
-                              submap.T_true_base * robot_.T_base_camera;
+  const bool repeated = to_repeat_.count(keyframe_id) != 0;
+  if (robot_.planar && !repeated) mounting_.add(cloud, robot_.T_base_camera);
+  DenseSubmap& submap = submap_for(submap_id);
+  const SE3 T_submap_camera = repeated ? open_keyframes_.at(keyframe_id).T_submap_camera
+                                       : pose_of(submap_id).inverse() * pose_of(keyframe_id) *
+                                             submap.T_true_base * robot_.T_base_camera;
+  open_keyframes_[keyframe_id] = {submap_id, T_submap_camera};
+  if (keeps_changes_ && !repeated) changes_.keyframes[keyframe_id] = {submap_id, T_submap_camera};
   ++fresh_keyframes_;
   newest_us_ = std::max(newest_us_, cloud.utime_us);
-  if (submap.closed || submap_id < base_upto_)
-    return integrate_late(cloud, T_submap_camera, &submap);
+  if (submap.closed || submap_id < base_upto_) {
+    integrate_late(cloud, T_submap_camera, &submap);
+    return changed_submap(submap_id);
+  }
   const std::set<BlockIndex> blocks = integrate_cloud(cloud, T_submap_camera, camera_, resolution_m,
                                                       config_, !robot_.planar, &submap);
   std::set<CubeIndex> touched;
@@ -180,6 +200,7 @@ bool DenseMapper::place_submaps(double slack_m) {
     if (!needs_placing(id, submap, slack_m)) continue;
     mark_all(submap);  // what it leaves
     submap.T_map_submap = placement(id, submap);
+    placed_submap(id);
     if (submap.closed) {
       const auto touched = touched_cubes(submap, robot_.map_resolution_m);
       submap.touches.assign(touched.begin(), touched.end());
@@ -217,6 +238,7 @@ bool DenseMapper::close_full_submaps() {
         !(finishing_ || submap.n_keyframes >= config_.keyframes_per_submap || id <= given_up))
       continue;
     close_submap(robot_.map_resolution_m, &submap);
+    changed_submap(id);
     dirty_cubes_.insert(submap.touches.begin(), submap.touches.end());  // its points are new
     any = true;
   }
@@ -232,11 +254,22 @@ void DenseMapper::extend_base() {
     dirty_base_.clear();
     base_.extend(it->second);
     base_upto_ = it->first + 1;
-    const std::int64_t old = count_newer(it->first, 2 * config_.submaps_that_count, &submaps_);
-    if (old != 0)
-      drop_superseded(old, config_.submaps_that_count, robot_.map_resolution_m,
-                      robot_.map_resolution_m / kCloudVoxelsPerCell, &submaps_);
+    std::set<std::int64_t> counted;
+    const std::int64_t old =
+        count_newer(it->first, 2 * config_.submaps_that_count, &submaps_, &counted);
+    for (const std::int64_t id : counted) placed_submap(id);
+    if (old == 0) continue;
+    const bool empty = drop_superseded(old, config_.submaps_that_count, robot_.map_resolution_m,
+                                       robot_.map_resolution_m / kCloudVoxelsPerCell, &submaps_);
+    changed_submap(old);
+    if (empty && robot_.planar) forget_submap(old);
   }
+}
+
+// Nothing is left of it; a hand-held camera's still says what is level.
+void DenseMapper::forget_submap(std::int64_t id) {
+  submaps_.erase(id);
+  T_map_base_.erase(id);
 }
 
 std::size_t DenseMapper::submap_bytes() const {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -24,6 +25,7 @@
 #include "services/dense_mapper/level.hpp"
 #include "services/dense_mapper/mounting.hpp"
 #include "services/dense_mapper/raster.hpp"
+#include "services/dense_mapper/saved_map.hpp"
 
 namespace fusion_slam {
 
@@ -33,22 +35,13 @@ struct DenseTiles {  // all in the map frame
   std::vector<Tile> grid;  // none until the map is level
 };
 
-// "The map should be so that this keyframe's base has this z, roll and pitch": then its z is up and
-// its z = 0 the floor.
-struct LevelWish {
-  std::int64_t anchor_id = 0;  // keyframe
-  SE3 T_level_anchor = SE3::Identity();
-  bool floor_seen = false;
-  std::int64_t utime_us = 0;  // of the newest image behind it
-};
-
 class DenseMapper {
  public:
   DenseMapper(const CameraModel& camera, const RobotModel& robot, const DenseMapperConfig& config);
 
   // The graph begins with this keyframe, and so does the first submap (after a reset ids count on);
   // before set_pose(). 1 unless said; older keyframes are never mapped.
-  void begin_at(std::int64_t id) { first_id_ = id; }
+  void begin_at(std::int64_t id);
   // Id 1, 2, 3 ... False: the image does not fit the camera model, or this id came before; ignored.
   bool add_keyframe(std::int64_t id, const RgbdFrame& frame);
   // Where the graph has a keyframe's base now; utime_us: of the graph's newest measurement.
@@ -72,6 +65,27 @@ class DenseMapper {
   DenseTiles update_grid(bool exact);
   DenseTiles update_maps();
 
+  // --- for a process that is killed and started again (saving.cpp)
+  // Goes on where an earlier one ended, by what its records made: before anything else. The images
+  // of map.open_keyframes are to be added again; poses come from the graph. All is due to be
+  // published. False: the map is of another resolution; nothing has happened.
+  bool restore(SavedMap map);
+  // From now on changes are remembered for take_changes().
+  void keep_changes() { keeps_changes_ = true; }
+  // A record of what has changed since the last call; nothing when nothing has.
+  SavedBytes take_changes();
+  // All, as records of about 1 MB. What has changed so far is in them.
+  void write_all(const std::function<void(const SavedBytes&)>& emit);
+  // It is mapped or waits to be: its image is not needed any more.
+  bool has(std::int64_t id) const { return waiting_.count(id) != 0 || integrated_.contains(id); }
+  // Nothing keeps it from being mapped at once.
+  bool ready(std::int64_t id) const;
+  // Keyframes whose images a restart would need: of open submaps, and those that wait.
+  std::set<std::int64_t> needed_images() const;
+  // While an earlier process's images are mapped again without records of it: full submaps are
+  // packed although nothing is published.
+  void pack_full() { maps_due_ |= close_full_submaps(); }
+
   bool level() const { return levelled_ && !wish_; }  // z is up, z = 0 the floor, as far as known
   bool floor_seen() const { return robot_.planar || floor_seen_; }
   std::size_t waiting() const { return waiting_.size(); }
@@ -87,13 +101,16 @@ class DenseMapper {
   std::int64_t submap_of(std::int64_t keyframe_id) const;
   SE3 pose_of(std::int64_t keyframe_id) const;  // T_map_base, on the floor when the robot is
   SE3 placement(std::int64_t id, const DenseSubmap& submap) const;
+  SE3 pose_or_place(std::int64_t id, const DenseSubmap& submap) const;
   bool needs_placing(std::int64_t id, const DenseSubmap& submap, double slack_m) const;
   bool anything_moved(double slack_m) const;
   void integrate(std::int64_t keyframe_id, std::int64_t submap_id, const DepthCloud& cloud);
+  DenseSubmap& submap_for(std::int64_t submap_id);
   void integrate_late(const DepthCloud& cloud, const SE3& T_submap_camera, DenseSubmap* submap);
   bool place_submaps(double slack_m);
   bool close_full_submaps();
   void extend_base();
+  void forget_submap(std::int64_t id);
   void check_wish();
   void found_level();
   void mark_all(const DenseSubmap& submap);
@@ -107,13 +124,20 @@ class DenseMapper {
   void publish_clouds(const Composed& composed, std::vector<Tile>* out);
   Band band() const;
 
+  // saving.cpp
+  SavedValues saved_values() const;
+  void changed_submap(std::int64_t id);
+  void placed_submap(std::int64_t id);
+
   CameraModel camera_;
   RobotModel robot_;
   DenseMapperConfig config_;
   std::int64_t first_id_ = 1;                   // of the graph's keyframes
   std::map<std::int64_t, SE3> T_map_base_;      // of keyframes, by the graph
   std::map<std::int64_t, DepthCloud> waiting_;  // for a pose
-  std::set<std::int64_t> integrated_;
+  IdRanges integrated_;
+  std::map<std::int64_t, SavedKeyframe> open_keyframes_;  // of open submaps
+  std::set<std::int64_t> to_repeat_;  // of them, those whose images an earlier process had mapped
   DenseSubmaps submaps_;
   Mounting mounting_;
   BaseMap base_;  // of the closed submaps with id < base_upto_
@@ -139,6 +163,14 @@ class DenseMapper {
   std::int64_t graph_us_ = 0;   // graph
   std::int64_t placed_us_ = 0;  // graph when submaps were last placed
   std::int64_t dropped_ = 0;
+
+  bool keeps_changes_ = false;
+  struct Changes {
+    bool values = false;
+    std::map<std::int64_t, SavedKeyframe> keyframes;
+    std::set<std::int64_t> whole;   // submaps: closed, or dropped from
+    std::set<std::int64_t> placed;  // submaps: the rest
+  } changes_;
 };
 
 }  // namespace fusion_slam

@@ -1,5 +1,6 @@
 #include "services/dense_mapper/dense_mapper_process.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "fusion_slam/constraint_t.hpp"
@@ -11,6 +12,9 @@ namespace fusion_slam {
 namespace {
 
 constexpr std::size_t kMaxEarlyImages = 64;  // models come at 1 Hz, keyframes at a few Hz
+// So many images are looked at before their poses have come; a cloud takes 1.3 MB, an image 80 KB.
+constexpr std::size_t kLookedAtAhead = 16;
+constexpr std::size_t kMaxPending = 512;
 
 }  // namespace
 
@@ -29,11 +33,7 @@ DenseMapperProcess::DenseMapperProcess(Bus& bus)
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                            [this](const command_t& m) { on_command(m); });
   bus.never_await({"KEYFRAME_IMAGE", "GRAPH", "COMMAND"});  // the order does not matter
-  // An earlier process's images are mapped again at once where the graph has their keyframes now:
-  // so the journal is read when the graph is known, and none waits in memory for its pose.
-  bus.keep_in_journal({"KEYFRAME_IMAGE", "COMMAND"}, Bus::Recover::kWhenAsked);
-  bus.keep_in_journal({"CAMERA_MODEL", "ROBOT_MODEL"});
-  bus.keep_said<constraint_t>("LEVEL", [](const constraint_t&) {});
+  keep_journal();
   bus.set_state_text("waiting for CAMERA_MODEL and ROBOT_MODEL");
 }
 
@@ -56,8 +56,9 @@ void DenseMapperProcess::on_robot_model(const robot_model_t& message) {
 void DenseMapperProcess::start_when_ready() {
   if (mapper_ || !camera_ || !robot_) return;
   mapper_ = std::make_unique<DenseMapper>(*camera_, *robot_, DenseMapperConfig{});
+  go_on_where_it_ended();
   for (const graph_t& graph : early_graph_) take_graph(graph);
-  for (const keyframe_image_t& image : early_images_) add_keyframe(image);
+  for (const keyframe_image_t& image : early_images_) take_image(image);
   early_graph_.clear();
   early_images_.clear();
   if (complete_graph_) bus_.recover();
@@ -74,11 +75,37 @@ void DenseMapperProcess::on_keyframe_image(const keyframe_image_t& message) {
     }
     return;
   }
-  add_keyframe(message);
-  if (bus_.recovering())
+  take_image(message);
+  if (!bus_.recovering()) return integrate_and_publish();
+  integrate();
+  if (!went_on_) mapper_->pack_full();
+}
+
+// What can't be mapped yet waits as it came: a graph that is behind must not cost a gigabyte.
+void DenseMapperProcess::take_image(const keyframe_image_t& message) {
+  if (!reset_.passes(message.utime)) return;
+  number_[message.id] = message.seq;
+  if (bus_.recovering() && mapper_->has(message.id)) return;
+  if (mapper_->ready(message.id) || mapper_->waiting() < kLookedAtAhead)
+    return add_keyframe(message);
+  pending_.emplace(message.id, message);
+  if (pending_.size() <= kMaxPending) return;
+  bus_.report_error("KEYFRAME_IMAGE " + std::to_string(pending_.begin()->first) +
+                    ": the graph has not said where it is; dropped. Does pose_graph run?");
+  pending_.erase(pending_.begin());
+}
+
+void DenseMapperProcess::integrate() {
+  mapper_->integrate_ready();
+  for (auto it = pending_.begin(); it != pending_.end();) {
+    if (!mapper_->ready(it->first)) {
+      ++it;
+      continue;
+    }
+    add_keyframe(it->second);
     mapper_->integrate_ready();
-  else
-    integrate_and_publish();
+    it = pending_.erase(it);
+  }
 }
 
 void DenseMapperProcess::add_keyframe(const keyframe_image_t& message) {
@@ -126,6 +153,9 @@ bool DenseMapperProcess::take_graph(const graph_t& message) {
 }
 
 void DenseMapperProcess::on_command(const command_t& message) {
+  // What the journal says of the map is of after that.
+  if (bus_.recovering() && message.utime <= commands_upto_us_) return;
+  commands_upto_us_ = std::max(commands_upto_us_, message.utime);
   if (reset_.asks(message)) return reset();
   if (message.verb != "finish") return;
   if (!message.target.empty() && message.target != "dense_mapper") return;
@@ -137,16 +167,20 @@ void DenseMapperProcess::reset() {
   early_images_.clear();
   early_graph_.clear();
   moved_.clear();
+  pending_.clear();
+  number_.clear();
+  all_is_due_ = true;
   finished_ = false;
   begins_anew_ = true;
   for (TilePublisher* out : {&octomap_out_, &cloud_out_, &grid_out_}) out->clear();
   if (!mapper_) return;
   mapper_ = std::make_unique<DenseMapper>(*camera_, *robot_, DenseMapperConfig{});
+  if (bus_.mode() == Mode::kLive) mapper_->keep_changes();
   integrate_and_publish();
 }
 
 void DenseMapperProcess::integrate_and_publish() {
-  mapper_->integrate_ready();
+  integrate();
   if (finished_ || mapper_->due()) {
     if (const auto wish = mapper_->wish_level(finished_)) publish_level(*wish);
     // The raster first: the fused map waits for it.
@@ -155,8 +189,9 @@ void DenseMapperProcess::integrate_and_publish() {
     for (const Tile& tile : maps.octomap) octomap_out_.publish(tile);
     for (const Tile& tile : maps.cloud) cloud_out_.publish(tile);
   }
+  write_down();
   bus_.set_state_text(std::to_string(mapper_->integrated()) + " keyframes mapped, " +
-                      std::to_string(mapper_->waiting()) + " wait for a pose" +
+                      std::to_string(mapper_->waiting() + pending_.size()) + " wait for a pose" +
                       (mapper_->level() ? "" : "; the grid waits for a level map"));
 }
 

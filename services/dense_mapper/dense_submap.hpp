@@ -18,6 +18,8 @@
 
 namespace fusion_slam {
 
+constexpr double kCloudVoxelsPerCell = 2.0;  // the cloud is twice as fine as the OctoMap
+
 using PackedCloud = std::map<TileKey, PackedBytes>;  // content of CLOUD tiles, by tile
 
 struct DenseSubmap {

@@ -80,25 +80,29 @@ std::optional<FloorPlane> fit_floor(const std::vector<SurfacePoint>& surfaces_ca
   return plane;
 }
 
+Mounting::Mounting(const MountingState& state) : state_(state) {
+  if (state_.off) T_true_base_ = levelled_floor(state_.used);
+}
+
 void Mounting::add(const DepthCloud& cloud, const SE3& T_base_camera) {
   const auto floor = fit_floor(cloud.surfaces, T_base_camera);
   if (!floor) return;
-  ++n_floors_;
-  floors_.push_back(*floor);
-  if (floors_.size() > kLatest) floors_.pop_front();
+  ++state_.n_floors;
+  state_.floors.push_back(*floor);
+  if (state_.floors.size() > kLatest) state_.floors.pop_front();
   std::vector<double> x, y, z;
-  for (const FloorPlane& one : floors_) {
+  for (const FloorPlane& one : state_.floors) {
     x.push_back(one.slope_x);
     y.push_back(one.slope_y);
     z.push_back(one.height_m);
   }
   const FloorPlane now{median(x), median(y), median(z)};
-  if (std::hypot(now.slope_x - used_.slope_x, now.slope_y - used_.slope_y) <
-          (off_ ? kWorthSlope : kOffSlope) &&
-      std::abs(now.height_m - used_.height_m) < (off_ ? kWorthHeightM : kOffHeightM))
+  if (std::hypot(now.slope_x - state_.used.slope_x, now.slope_y - state_.used.slope_y) <
+          (state_.off ? kWorthSlope : kOffSlope) &&
+      std::abs(now.height_m - state_.used.height_m) < (state_.off ? kWorthHeightM : kOffHeightM))
     return;
-  off_ = true;
-  used_ = now;
+  state_.off = true;
+  state_.used = now;
   T_true_base_ = levelled_floor(now);
 }
 

@@ -27,20 +27,29 @@ struct FloorPlane {
 std::optional<FloorPlane> fit_floor(const std::vector<SurfacePoint>& surfaces_camera,
                                     const SE3& T_base_camera);
 
+// All that a Mounting goes by.
+struct MountingState {
+  std::deque<FloorPlane> floors;  // the latest
+  std::size_t n_floors = 0;
+  bool off = false;
+  FloorPlane used;
+};
+
 class Mounting {
  public:
+  Mounting() = default;
+  explicit Mounting(const MountingState& state);  // goes on from there
+  MountingState state() const { return state_; }
+
   void add(const DepthCloud& cloud, const SE3& T_base_camera);
 
   // T_true_base: takes points placed by the mounting on paper to where they are; the median of the
   // latest keyframes' floors. It changes only when that is worth it: 0.1 degree or 5 mm.
   const SE3& correction() const { return T_true_base_; }
-  std::size_t floors() const { return n_floors_; }
+  std::size_t floors() const { return state_.n_floors; }
 
  private:
-  std::deque<FloorPlane> floors_;  // the latest
-  std::size_t n_floors_ = 0;
-  bool off_ = false;
-  FloorPlane used_;
+  MountingState state_;
   SE3 T_true_base_ = SE3::Identity();
 };
 

@@ -35,7 +35,8 @@ std::uint8_t* count_at(const ColouredPoint& point, double resolution_m,
 
 }  // namespace
 
-std::int64_t count_newer(std::int64_t closed_id, int enough, DenseSubmaps* submaps) {
+std::int64_t count_newer(std::int64_t closed_id, int enough, DenseSubmaps* submaps,
+                         std::set<std::int64_t>* counted) {
   const DenseSubmap& closed = submaps->at(closed_id);
   std::int64_t chosen = 0;
   int fewest_visits = kMostVisits + 1;
@@ -45,6 +46,7 @@ std::int64_t count_newer(std::int64_t closed_id, int enough, DenseSubmaps* subma
     if (!submap.closed || submap.packed.empty() || !overlap(submap.touches, closed.touches))
       continue;
     ++submap.newer;
+    counted->insert(id);
     const int visits = std::min(submap.visits, kMostVisits);
     if (submap.newer < enough << visits) continue;
     if (visits > fewest_visits || (visits == fewest_visits && submap.newer <= most)) continue;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 
 #include "services/dense_mapper/dense_submap.hpp"
 
@@ -11,7 +12,9 @@ namespace fusion_slam {
 // A submap closed: counts it as newer for every older closed submap that it overlaps. Returns the
 // id of the one to be looked at by drop_superseded(): it has gathered `enough` of them (twice as
 // many after each time it was looked at), was looked at least often, then gathered most. 0: none.
-std::int64_t count_newer(std::int64_t closed_id, int enough, DenseSubmaps* submaps);
+// Adds those that were counted to `counted`.
+std::int64_t count_newer(std::int64_t closed_id, int enough, DenseSubmaps* submaps,
+                         std::set<std::int64_t>* counted);
 
 // Drops from a closed submap the voxels that at least `keep` newer closed submaps know at the same
 // place, and the points within them. True: nothing is left of it.

@@ -3,6 +3,12 @@
 
 namespace fusion_slam {
 
+// Of the base, by the graph, or where it was placed when the graph says nothing of it.
+SE3 DenseMapper::pose_or_place(std::int64_t id, const DenseSubmap& submap) const {
+  const auto it = T_map_base_.find(id);
+  return it == T_map_base_.end() ? submap.T_map_submap : it->second;
+}
+
 // Up and floor are estimated whenever the keyframes have doubled, and for the final map: at most
 // once for each number of keyframes, so that asking and being moved can't go on for ever.
 std::optional<LevelWish> DenseMapper::wish_level(bool exact) {
@@ -15,7 +21,7 @@ std::optional<LevelWish> DenseMapper::wish_level(bool exact) {
   std::vector<Eigen::Vector3d> cameras_m;
   Eigen::Vector3d image_up = Eigen::Vector3d::Zero();
   for (const auto& [id, submap] : submaps_) {
-    const SE3& T = T_map_base_.at(id);
+    const SE3 T = pose_or_place(id, submap);
     for (const SurfacePoint& s : submap.surfaces)
       surfaces.push_back({(T * s.p_m.cast<double>()).cast<float>(),
                           (T.linear() * s.normal.cast<double>()).cast<float>()});
@@ -25,13 +31,14 @@ std::optional<LevelWish> DenseMapper::wish_level(bool exact) {
   const auto level = estimate_level(surfaces, image_up, cameras_m);
   if (!level) return std::nullopt;
   level_keyframes_ = n;
+  changes_.values = true;
   floor_seen_ = level->floor_seen;
   if (!worth_levelling(level->T_level_map, robot_.map_resolution_m)) {
     found_level();
     return std::nullopt;
   }
   const std::int64_t anchor_id = submaps_.begin()->first;
-  const SE3 T_level_anchor = level->T_level_map * T_map_base_.at(anchor_id);
+  const SE3 T_level_anchor = level->T_level_map * pose_or_place(anchor_id, submaps_.at(anchor_id));
   wish_ = LevelWish{anchor_id, T_level_anchor, level->floor_seen, newest_us_};
   return wish_;
 }
@@ -47,6 +54,7 @@ void DenseMapper::found_level() {
   if (!levelled_ || wish_) grid_is_late_ = true;
   wish_.reset();
   levelled_ = true;
+  changes_.values = true;
 }
 
 }  // namespace fusion_slam

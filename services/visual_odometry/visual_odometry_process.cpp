@@ -65,6 +65,8 @@ VisualOdometryProcess::VisualOdometryProcess(Bus& bus, VisualOdometryConfig conf
   // Both are written before they are sent: who asks for them after a crash gets them.
   bus_.keep_said<keyframe_t>("KEYFRAME", [this](const keyframe_t& m) { on_earlier_keyframe(m); });
   bus_.keep_said<keyframe_image_t>("KEYFRAME_IMAGE", [](const keyframe_image_t&) {});
+  // RESEND is answered by the latest only, and the latest keyframes are its map again.
+  bus_.keep_journal_small({{"CAMERA_MODEL", "ROBOT_MODEL"}, {}, {}});
   bus_.set_state_text("waiting for CAMERA_MODEL, ROBOT_MODEL and CAMERA");
 }
 

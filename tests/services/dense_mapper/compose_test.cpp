@@ -209,7 +209,8 @@ TEST(Supersede, OldVoxelsGoWhenEnoughNewerOnesKnowThem) {
     point.p_m = {0.21F, 0.22F, 0.23F};
     submap.cloud.add({point});
     close_submap(kResolution, &submap);
-    if (const std::int64_t old = count_newer(id, 8, &submaps))
+    std::set<std::int64_t> counted;
+    if (const std::int64_t old = count_newer(id, 8, &submaps, &counted))
       drop_superseded(old, 4, kResolution, kResolution / 2, &submaps);
     std::size_t held = 0;
     for (const auto& [other, s] : submaps) held += s.packed.empty() ? 0 : 1;
