@@ -48,7 +48,9 @@ void Bus::Impl::open_journal() {
     const std::lock_guard<std::mutex> lock(journal_mutex);
     std::string last_boot = boot_id();
     journal = std::make_unique<Journal>(options.journal, [&](const LogEvent& event) {
-      if (event.channel == kJournalMark) last_boot = mark_from(event).argument;
+      if (event.channel != kJournalMark) return;
+      const command_t mark = mark_from(event);
+      if (mark.verb == kJournalOpened || mark.verb == kJournalCut) last_boot = mark.argument;
     });
     const JournalState& state = journal->state();
     const bool empty = state.n_records == 0;

@@ -1,5 +1,7 @@
 // A listener that is killed and started again: from its journal, and by asking for what it missed.
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <mutex>
 #include <thread>
 
@@ -15,6 +17,7 @@
 #include "libs/bus/tile_channel.hpp"
 #include "libs/bus/transport.hpp"
 #include "libs/journal/journal.hpp"
+#include "libs/schema/guard.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -325,6 +328,95 @@ TEST_F(BusJournal, ListenersDontMissNumbersThatWereNeverGiven) {
   speaking.join();
   EXPECT_THAT(heard, testing::ElementsAre(1, 2, 3, 4));
   EXPECT_THAT(told, testing::ElementsAre(-3, -1000));
+}
+
+std::map<std::string, std::vector<std::int64_t>> records(const fs::path& file) {
+  std::map<std::string, std::vector<std::int64_t>> seqs;
+  read_journal(file, [&](const LogEvent& event) {
+    seqs[event.channel].push_back(peek_seq(event.data.data(), event.data.size()).value_or(0));
+  });
+  return seqs;
+}
+
+TEST_F(BusJournal, WrittenAnewItGoesOnWithAllNumbersAndHoldsWhatIsNeeded) {
+  BusOptions with_journal = options("speaker");
+  with_journal.journal = file_;
+  std::map<std::string, std::vector<std::int64_t>> handled;  // by the life that is on
+  std::vector<std::int64_t> noted;
+  Bus world(options("world"), network_);
+  const auto live = [&](const std::function<void(Bus&)>& on_bus) {
+    handled.clear();
+    noted.clear();
+    Bus bus(with_journal, network_);
+    for (const char* channel : {"CONSTRAINT", "LEVEL"})
+      bus.subscribe<constraint_t>(channel, Policy::kKeepAll, [&, channel](const constraint_t& m) {
+        handled[channel].push_back(m.from_id);
+      });
+    bus.keep_in_journal({"CONSTRAINT", "LEVEL"});
+    std::vector<std::int64_t> said;
+    bus.keep_said<constraint_t>("POSES", [&](const constraint_t& m) { said.push_back(m.from_id); });
+    bus.on_note<constraint_t>("NOTE", [&](const constraint_t& m) { noted.push_back(m.from_id); });
+    Bus::JournalNeeds needs;
+    needs.first_of = {"LEVEL"};
+    needs.numbers = [](const std::string&) { return std::set<std::int64_t>{2, 5}; };
+    needs.note_state = [&] { bus.note("NOTE", constraint(77)); };
+    bus.keep_journal_small(std::move(needs));
+    bus.stop();
+    bus.run();  // reads the journal
+    on_bus(bus);
+    return said;
+  };
+  const auto hear = [&](Bus& bus, const char* channel, std::size_t n) {
+    for (int i = 0; i < 12'000 && handled[channel].size() < n; ++i) bus.handle(10);
+  };
+  live([&](Bus& bus) {
+    bus.handle(0);
+    for (int i = 1; i <= 6; ++i) world.publish("CONSTRAINT", constraint(i));
+    for (int i = 1; i <= 3; ++i) world.publish("LEVEL", constraint(i));
+    hear(bus, "CONSTRAINT", 6);
+    hear(bus, "LEVEL", 3);
+    for (int i = 1; i <= 4; ++i) bus.publish("POSES", constraint(10 + i));
+    bus.note("NOTE", constraint(1));
+    ASSERT_TRUE(bus.renew_journal());
+    bus.note("NOTE", constraint(78));
+  });
+  EXPECT_THAT(records(file_).at("CONSTRAINT"), testing::ElementsAre(2, 5));
+  EXPECT_THAT(records(file_).at("LEVEL"), testing::ElementsAre(1));
+  const auto said = live([&](Bus& bus) {
+    EXPECT_THAT(handled["CONSTRAINT"], testing::ElementsAre(2, 5));
+    EXPECT_THAT(handled["LEVEL"], testing::ElementsAre(1));
+    EXPECT_THAT(noted, testing::ElementsAre(77, 78));
+    EXPECT_EQ(bus.published().at("POSES"), 4);
+    // The seventh is lost on the way and asked for; those left out of the journal are not.
+    std::vector<std::int64_t> asked;
+    std::mutex mutex;
+    world.listen<resend_t>("RESEND", [&](const resend_t& m) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (m.channel == "CONSTRAINT") asked.insert(asked.end(), m.seqs.begin(), m.seqs.end());
+    });
+    constraint_t eighth = constraint(8);
+    eighth.seq = 8;
+    network_->publish("CONSTRAINT", bus_detail::encode(eighth));
+    const auto asks = [&] {
+      const std::lock_guard<std::mutex> lock(mutex);
+      return !asked.empty();
+    };
+    for (int i = 0; i < 12'000 && !asks(); ++i) {
+      bus.handle(5);
+      world.handle(5);
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (const std::int64_t seq : asked) EXPECT_EQ(seq, 7);
+    EXPECT_FALSE(asked.empty());
+  });
+  EXPECT_THAT(said, testing::ElementsAre(11, 12, 13, 14));
+  // Written anew a second time, by a process that has only read it, and cut: no number is lost.
+  live([&](Bus& bus) { EXPECT_TRUE(bus.renew_journal()); });
+  live([&](Bus& bus) {
+    EXPECT_THAT(handled["CONSTRAINT"], testing::ElementsAre(2, 5));
+    EXPECT_THAT(noted, testing::ElementsAre(77));
+    EXPECT_EQ(bus.published().at("POSES"), 4);
+  });
 }
 
 }  // namespace

@@ -156,5 +156,64 @@ TEST_F(JournalTest, AFullDiskIsSaidAndHurtsNothing) {
   EXPECT_EQ(read(), 2);
 }
 
+TEST_F(JournalTest, WrittenAnewItHoldsWhatWasKeptAndWhatCameMeanwhile) {
+  write(6);
+  const fs::path anew = file_.string() + ".new";
+  {
+    Journal journal(file_);
+    const auto append = [&](int i) {
+      const auto bytes = bytes_of(i);
+      ASSERT_TRUE(journal.append(1000 + i, "KEYFRAME", bytes.data(), bytes.size()));
+    };
+    std::int64_t offset_bytes = 0;
+    read_journal(file_, [&](const LogEvent& event) {
+      if (event.data == bytes_of(4)) offset_bytes = event.offset_bytes;
+    });
+    const auto kept = journal.record_at(offset_bytes, 4);
+    ASSERT_TRUE(kept);
+    EXPECT_EQ(kept->data, bytes_of(4));
+    EXPECT_FALSE(journal.record_at(offset_bytes, 3)) << "of another number";
+    EXPECT_FALSE(journal.record_at(offset_bytes + 1, 4));
+    EXPECT_FALSE(journal.record_at(1 << 30, 4));
+    ASSERT_TRUE(journal.begin_anew());
+    EXPECT_FALSE(journal.begin_anew()) << "one at a time";
+    ASSERT_TRUE(journal.append_anew(kept->timestamp_us, kept->channel, kept->data.data(),
+                                    kept->data.size()));
+    append(6);
+    EXPECT_EQ(read(), 7) << "killed now, the old one is whole";
+    ASSERT_TRUE(journal.finish_anew());
+    append(7);
+    EXPECT_THROW(Journal{file_}, std::runtime_error) << "still one process";
+  }
+  EXPECT_FALSE(fs::exists(anew));
+  std::vector<std::vector<std::uint8_t>> left;
+  const JournalState state =
+      read_journal(file_, [&](const LogEvent& event) { left.push_back(event.data); });
+  EXPECT_EQ(state.cut_bytes, 0);
+  EXPECT_THAT(left, testing::ElementsAre(bytes_of(4), bytes_of(6), bytes_of(7)));
+}
+
+TEST_F(JournalTest, KilledWhileItIsWrittenAnewTheOldOneGoesOn) {
+  write(5);
+  const fs::path anew = file_.string() + ".new";
+  const pid_t child = fork();
+  if (child == 0) {
+    Journal journal(file_);
+    const auto bytes = bytes_of(5);
+    const bool ok = journal.begin_anew() &&
+                    journal.append_anew(1, "KEYFRAME", bytes.data(), bytes.size()) &&
+                    journal.append(1005, "KEYFRAME", bytes.data(), bytes.size());
+    if (!ok) _exit(1);
+    raise(SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_TRUE(fs::exists(anew));
+  EXPECT_EQ(read(), 6);
+  { EXPECT_EQ(Journal(file_).state().n_records, 6); }
+  EXPECT_FALSE(fs::exists(anew)) << "left over: removed";
+}
+
 }  // namespace
 }  // namespace fusion_slam
