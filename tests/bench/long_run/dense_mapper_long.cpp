@@ -1,0 +1,158 @@
+// Does the dense mapper grow with the area or with time? Its library is fed with the keyframes of a
+// long drive as fast as it goes; each minute of drive is a line of CSV: memory, processor time a
+// keyframe, what a journal written anew would hold, and what a restart from it takes.
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "fusion_slam/keyframe_image_t.hpp"
+#include "fusion_slam/keyframe_t.hpp"
+#include "libs/camera_messages/images.hpp"
+#include "libs/journal/journal.hpp"
+#include "libs/messages/convert.hpp"
+#include "libs/messages/models.hpp"
+#include "services/dense_mapper/dense_mapper.hpp"
+
+namespace fusion_slam {
+namespace {
+
+double cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+double rss_mb() {
+  std::ifstream statm("/proc/self/statm");
+  double size = 0.0, resident = 0.0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
+}
+
+template <class Message>
+Message decoded(const LogEvent& event) {
+  Message message{};
+  message.decode(event.data.data(), 0, static_cast<int>(event.data.size()));
+  return message;
+}
+
+class Drive {
+ public:
+  explicit Drive(double minutes) : end_minutes_(minutes) {
+    std::cout << "minute,keyframes,rss_mb,submaps_mb,base_mb,ms_per_keyframe,journalled_mb,"
+                 "kept_mb,restart_ms\n";
+  }
+  void add_pose(const LogEvent& event) {
+    const auto message = decoded<keyframe_t>(event);
+    if (const auto T = from_message(message.T_odom_base)) T_map_base_[message.id] = *T;
+  }
+  void add(const LogEvent& event) {
+    std::string why;
+    if (event.channel == "CAMERA_MODEL" && !camera_)
+      camera_ = from_message(decoded<camera_model_t>(event), &why);
+    if (event.channel == "ROBOT_MODEL" && !robot_)
+      robot_ = from_message(decoded<robot_model_t>(event), &why);
+    if (!mapper_ && camera_ && robot_) {
+      mapper_ = std::make_unique<DenseMapper>(*camera_, *robot_, DenseMapperConfig{});
+      mapper_->keep_changes();
+    }
+    if (event.channel == "KEYFRAME_IMAGE" && mapper_ && !done_)
+      map(decoded<keyframe_image_t>(event));
+  }
+
+ private:
+  void map(const keyframe_image_t& message) {
+    const auto pose = T_map_base_.find(message.id);
+    std::string why;
+    const auto frame = from_message(message.images, &why);
+    if (pose == T_map_base_.end() || !frame) return;
+    if (begin_us_ == 0) begin_us_ = message.utime;
+    const double begin_ms = cpu_ms();
+    mapper_->add_keyframe(message.id, *frame);
+    mapper_->set_pose(message.id, pose->second, message.utime);
+    mapper_->integrate_ready();
+    mapper_->update(false);
+    journalled_bytes_ += mapper_->take_changes().size() + event_bytes(message);
+    spent_ms_ += cpu_ms() - begin_ms;
+    ++n_;
+    const double minute = 1e-6 / 60.0 * static_cast<double>(message.utime - begin_us_);
+    if (minute >= next_minute_) say(minute);
+    done_ = minute >= end_minutes_;
+  }
+  static std::size_t event_bytes(const keyframe_image_t& message) {
+    return static_cast<std::size_t>(message.getEncodedSize());
+  }
+  void say(double minute) {
+    next_minute_ += 1.0;
+    const double memory_mb = rss_mb();
+    std::vector<SavedBytes> records;
+    std::size_t kept_bytes = 0;
+    mapper_->write_all([&](const SavedBytes& bytes) {
+      kept_bytes += bytes.size();
+      records.push_back(bytes);
+    });
+    const double begin_ms = cpu_ms();
+    SavedMap map;
+    bool good = true;
+    for (const SavedBytes& bytes : records)
+      good = good && read_saved(bytes.data(), bytes.size(), &map);
+    DenseMapper again(*camera_, *robot_, DenseMapperConfig{});
+    good = good && again.restore(std::move(map));
+    again.update(false);
+    const double restart_ms = cpu_ms() - begin_ms;
+    std::printf("%.2f,%d,%.1f,%.2f,%.2f,%.2f,%.1f,%.2f,%.0f\n", minute, n_, memory_mb,
+                1e-6 * static_cast<double>(mapper_->submap_bytes()),
+                1e-6 * static_cast<double>(mapper_->map_bytes()), spent_ms_ / (n_ - said_),
+                1e-6 * static_cast<double>(journalled_bytes_),
+                1e-6 * static_cast<double>(kept_bytes), good ? restart_ms : -1.0);
+    std::fflush(stdout);
+    said_ = n_;
+    spent_ms_ = 0.0;
+  }
+
+  double end_minutes_;
+  std::map<std::int64_t, SE3> T_map_base_;
+  std::optional<CameraModel> camera_;
+  std::optional<RobotModel> robot_;
+  std::unique_ptr<DenseMapper> mapper_;
+  std::int64_t begin_us_ = 0;
+  std::size_t journalled_bytes_ = 0;
+  double spent_ms_ = 0.0;
+  double next_minute_ = 1.0;
+  int n_ = 0;
+  int said_ = 0;
+  bool done_ = false;
+};
+
+}  // namespace
+}  // namespace fusion_slam
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "The dense mapper's library on a long drive, a line a minute. Keyframes lie where visual "
+      "odometry saw them (KEYFRAME, odom), submaps are superseded as in the service.");
+  std::string keyframes;
+  std::string images;
+  double minutes = 1e9;
+  app.add_option("keyframes", keyframes, "visual_odometry.lcmlog, a journal")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("images", images, "dense_mapper.lcmlog, a journal with KEYFRAME_IMAGE and models")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--minutes", minutes, "of drive, then end");
+  CLI11_PARSE(app, argc, argv);
+  fusion_slam::Drive drive(minutes);
+  fusion_slam::read_journal(keyframes, [&](const fusion_slam::LogEvent& event) {
+    if (event.channel == "KEYFRAME") drive.add_pose(event);
+  });
+  fusion_slam::read_journal(images, [&](const fusion_slam::LogEvent& event) { drive.add(event); });
+  return 0;
+}
