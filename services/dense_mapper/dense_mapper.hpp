@@ -50,7 +50,7 @@ class DenseMapper {
   void integrate_ready();
 
   // True when there is something to publish: a keyframe, anchors that moved by more than the slack
-  // (followed once a second), or the level the grid waited for.
+  // (followed each moved_period_us), or the level the grid waited for.
   bool due() const;
   // To be called before each update(). A wish is to be passed on to the pose graph; until
   // set_pose() shows that it has come true, or the next estimate finds the map level, update()
