@@ -25,7 +25,9 @@ std::int64_t seq_of(const std::vector<std::uint8_t>& bytes) {
 bool Bus::Impl::journal_is_large() {
   if (!needs || recovering) return false;
   const std::lock_guard<std::mutex> lock(journal_mutex);
-  if (!journal || journal->is_renewed()) return false;
+  if (!journal) return false;
+  journal->settle();
+  if (journal->is_renewed()) return false;
   const bool to_be_read = n_to_recover > 0 && !asked_to_recover &&
                           std::any_of(journal_channels.begin(), journal_channels.end(),
                                       [](const auto& channel) { return channel.second; });

@@ -156,7 +156,7 @@ bool Journal::write_record(std::int64_t timestamp_us, const std::string& channel
 
 bool Journal::append(std::int64_t timestamp_us, const std::string& channel,
                      const std::uint8_t* bytes, std::size_t size_bytes) {
-  if (is_renewed() && synced_) take_its_place();
+  settle();
   if (is_renewed() && !append_anew(timestamp_us, channel, bytes, size_bytes)) abandon_anew();
   return write_record(timestamp_us, channel, bytes, size_bytes, &current_);
 }
@@ -187,6 +187,10 @@ bool Journal::finish_anew() {
     synced_ = true;
   });
   return true;
+}
+
+void Journal::settle() {
+  if (is_renewed() && synced_) take_its_place();
 }
 
 void Journal::wait_for_disk() {

@@ -47,14 +47,15 @@ class Journal {
 
   // Writing it anew, with what is still needed, so that it doesn't grow for ever: begin_anew(),
   // then append_anew() for each record to keep, then finish_anew(). The new file (`FILE.new`) takes
-  // the old one's place once it is on the disk, at one of the next append() or at the end: until
+  // the old one's place once it is on the disk, at one of the next append() or settle(): until
   // then each append() goes into both, and a crash leaves the old one whole. False: the disk is
   // full; the old one goes on.
   bool begin_anew();
   bool append_anew(std::int64_t timestamp_us, const std::string& channel, const std::uint8_t* bytes,
                    std::size_t size_bytes);
   bool finish_anew();
-  void abandon_anew();                                 // the old one goes on
+  void abandon_anew();  // the old one goes on
+  void settle();
   bool is_renewed() const { return anew_.file >= 0; }  // begun, not in its place yet
 
   const JournalState& state() const { return current_.state; }
