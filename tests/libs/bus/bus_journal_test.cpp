@@ -343,7 +343,13 @@ TEST_F(BusJournal, WrittenAnewItGoesOnWithAllNumbersAndHoldsWhatIsNeeded) {
   with_journal.journal = file_;
   std::map<std::string, std::vector<std::int64_t>> handled;  // by the life that is on
   std::vector<std::int64_t> noted;
+  std::vector<std::int64_t> asked;
+  std::mutex mutex;
   Bus world(options("world"), network_);
+  world.listen<resend_t>("RESEND", [&](const resend_t& m) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (m.channel == "CONSTRAINT") asked.insert(asked.end(), m.seqs.begin(), m.seqs.end());
+  });
   const auto live = [&](const std::function<void(Bus&)>& on_bus) {
     handled.clear();
     noted.clear();
@@ -367,7 +373,9 @@ TEST_F(BusJournal, WrittenAnewItGoesOnWithAllNumbersAndHoldsWhatIsNeeded) {
     return said;
   };
   const auto hear = [&](Bus& bus, const char* channel, std::size_t n) {
-    for (int i = 0; i < 12'000 && handled[channel].size() < n; ++i) bus.handle(10);
+    for (int i = 0; i < 120'000 && handled[channel].size() < n; ++i)
+      if (!bus.handle(0)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_EQ(handled[channel].size(), n) << channel;
   };
   live([&](Bus& bus) {
     bus.handle(0);
@@ -380,20 +388,14 @@ TEST_F(BusJournal, WrittenAnewItGoesOnWithAllNumbersAndHoldsWhatIsNeeded) {
     ASSERT_TRUE(bus.renew_journal());
     bus.note("NOTE", constraint(78));
   });
-  EXPECT_THAT(records(file_).at("CONSTRAINT"), testing::ElementsAre(2, 5));
-  EXPECT_THAT(records(file_).at("LEVEL"), testing::ElementsAre(1));
+  EXPECT_THAT(records(file_)["CONSTRAINT"], testing::ElementsAre(2, 5));
+  EXPECT_THAT(records(file_)["LEVEL"], testing::ElementsAre(1));
   const auto said = live([&](Bus& bus) {
     EXPECT_THAT(handled["CONSTRAINT"], testing::ElementsAre(2, 5));
     EXPECT_THAT(handled["LEVEL"], testing::ElementsAre(1));
     EXPECT_THAT(noted, testing::ElementsAre(77, 78));
-    EXPECT_EQ(bus.published().at("POSES"), 4);
+    EXPECT_EQ(bus.published()["POSES"], 4);
     // The seventh is lost on the way and asked for; those left out of the journal are not.
-    std::vector<std::int64_t> asked;
-    std::mutex mutex;
-    world.listen<resend_t>("RESEND", [&](const resend_t& m) {
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (m.channel == "CONSTRAINT") asked.insert(asked.end(), m.seqs.begin(), m.seqs.end());
-    });
     constraint_t eighth = constraint(8);
     eighth.seq = 8;
     network_->publish("CONSTRAINT", bus_detail::encode(eighth));
@@ -406,7 +408,7 @@ TEST_F(BusJournal, WrittenAnewItGoesOnWithAllNumbersAndHoldsWhatIsNeeded) {
       world.handle(5);
     }
     const std::lock_guard<std::mutex> lock(mutex);
-    for (const std::int64_t seq : asked) EXPECT_EQ(seq, 7);
+    for (const std::int64_t seq : asked) EXPECT_TRUE(seq == 7 || seq > 8) << seq;
     EXPECT_FALSE(asked.empty());
   });
   EXPECT_THAT(said, testing::ElementsAre(11, 12, 13, 14));
@@ -415,7 +417,7 @@ TEST_F(BusJournal, WrittenAnewItGoesOnWithAllNumbersAndHoldsWhatIsNeeded) {
   live([&](Bus& bus) {
     EXPECT_THAT(handled["CONSTRAINT"], testing::ElementsAre(2, 5));
     EXPECT_THAT(noted, testing::ElementsAre(77));
-    EXPECT_EQ(bus.published().at("POSES"), 4);
+    EXPECT_EQ(bus.published()["POSES"], 4);
   });
 }
 
