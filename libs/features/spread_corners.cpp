@@ -24,11 +24,12 @@ struct Cells {
             std::max(8.0, std::sqrt(static_cast<double>(size.area()) * kCornersPerCell / quota))),
         columns(static_cast<int>(size.width / cell_px) + 1),
         rows(static_cast<int>(size.height / cell_px) + 1),
-        corners(static_cast<std::size_t>(columns * rows)) {}
+        corners(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)) {}
 
   int along(float px) const { return static_cast<int>(px / cell_px); }
   std::vector<cv::KeyPoint>& at(int column, int row) {
-    return corners[static_cast<std::size_t>(row * columns + column)];
+    return corners[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                   static_cast<std::size_t>(column)];
   }
   // The first whole pixel of a column or row of cells.
   int begin_px(int cell) const {
