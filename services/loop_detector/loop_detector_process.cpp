@@ -10,30 +10,10 @@
 namespace fusion_slam {
 namespace {
 
-// Notes in the journal: keyframes, by id, that are no places any more, and places known well.
-constexpr const char* kRetired = "RETIRED";
-constexpr const char* kKnownPlaces = "KNOWN_PLACES";
-
 constexpr std::size_t kMaxEarly = 100;  // nodes of a kind that wait for the models
 
 NodeKind kind_of(std::int8_t kind) {
   return kind == graph_node_t::LIDAR ? NodeKind::kLidar : NodeKind::kKeyframe;
-}
-
-graph_t note_of(const std::vector<NodeId>& keyframes) {
-  graph_t note{};
-  for (const NodeId& id : keyframes) {
-    graph_node_t node{};
-    node.kind = graph_node_t::KEYFRAME;
-    node.id = id.id;
-    note.nodes.push_back(node);
-  }
-  note.n_nodes = static_cast<std::int32_t>(note.nodes.size());
-  return note;
-}
-
-void take_note(const graph_t& note, std::vector<NodeId>* keyframes) {
-  for (const graph_node_t& node : note.nodes) keyframes->push_back({NodeKind::kKeyframe, node.id});
 }
 
 }  // namespace
@@ -59,9 +39,9 @@ LoopDetectorProcess::LoopDetectorProcess(Bus& bus, LoopDetectorConfig config)
   // Nodes of an earlier process are remembered, not searched again: what it found is in the graph.
   bus_.keep_in_journal({"CAMERA_MODEL", "ROBOT_MODEL", "LIDAR_NODE", "KEYFRAME", "COMMAND"});
   bus_.keep_said<constraint_t>("CONSTRAINT", [this](const constraint_t& m) { on_earlier_loop(m); });
-  bus_.on_note<graph_t>(kRetired,
+  bus_.on_note<graph_t>(kRetiredNote,
                         [this](const graph_t& m) { take_note(m, &earlier_places_.retired); });
-  bus_.on_note<graph_t>(kKnownPlaces,
+  bus_.on_note<graph_t>(kKnownPlacesNote,
                         [this](const graph_t& m) { take_note(m, &earlier_places_.known); });
   bus_.set_state_text("waiting for ROBOT_MODEL");
 }
@@ -182,8 +162,8 @@ void LoopDetectorProcess::publish(const std::vector<LoopCandidate>& decided) {
 // A process that is built up again from the journal needs no GRAPH to come to the same places.
 void LoopDetectorProcess::note_news() {
   const KnownPlacesNews news = detector_->take_news();
-  if (!news.retired.empty()) bus_.note(kRetired, note_of(news.retired));
-  if (!news.known.empty()) bus_.note(kKnownPlaces, note_of(news.known));
+  if (!news.retired.empty()) bus_.note(kRetiredNote, note_of(news.retired));
+  if (!news.known.empty()) bus_.note(kKnownPlacesNote, note_of(news.known));
 }
 
 void LoopDetectorProcess::say_state() {

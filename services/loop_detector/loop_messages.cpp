@@ -94,4 +94,20 @@ constraint_t to_message(const LoopMeasurement& loop, std::int64_t utime_us) {
   return message;
 }
 
+graph_t note_of(const std::vector<NodeId>& keyframes) {
+  graph_t note{};
+  for (const NodeId& id : keyframes) {
+    graph_node_t node{};
+    node.kind = graph_node_t::KEYFRAME;
+    node.id = id.id;
+    note.nodes.push_back(node);
+  }
+  note.n_nodes = static_cast<std::int32_t>(note.nodes.size());
+  return note;
+}
+
+void take_note(const graph_t& note, std::vector<NodeId>* keyframes) {
+  for (const graph_node_t& node : note.nodes) keyframes->push_back({NodeKind::kKeyframe, node.id});
+}
+
 }  // namespace fusion_slam

@@ -3,8 +3,10 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "fusion_slam/constraint_t.hpp"
+#include "fusion_slam/graph_t.hpp"
 #include "fusion_slam/keyframe_t.hpp"
 #include "fusion_slam/lidar_node_t.hpp"
 #include "fusion_slam/loop_candidate_t.hpp"
@@ -18,5 +20,12 @@ std::optional<LoopScan> from_message(const lidar_node_t& message, std::string* w
 
 loop_candidate_t to_message(const LoopCandidate& candidate);
 constraint_t to_message(const LoopMeasurement& loop, std::int64_t utime_us);
+
+// Notes in the detector's journal: keyframes, by their ids, that are no places any more, and places
+// that are known well (KnownPlacesNews).
+constexpr const char* kRetiredNote = "RETIRED";
+constexpr const char* kKnownPlacesNote = "KNOWN_PLACES";
+graph_t note_of(const std::vector<NodeId>& keyframes);
+void take_note(const graph_t& note, std::vector<NodeId>* keyframes);
 
 }  // namespace fusion_slam

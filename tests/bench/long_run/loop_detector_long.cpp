@@ -18,6 +18,7 @@
 #include "fusion_slam/graph_t.hpp"
 #include "fusion_slam/tile_t.hpp"
 #include "libs/eventlog/reader.hpp"
+#include "libs/journal/journal.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 #include "services/loop_detector/loop_detector.hpp"
@@ -119,8 +120,14 @@ class Bench {
         "candidates,accepted,constraints,searches,nothing_new,places,nodes,edges\n");
   }
 
+  // Writes what the process would have written.
+  void write_journal(const std::string& file) { journal_ = std::make_unique<Journal>(file); }
+
   void on(const LogEvent& event, std::int64_t utime_us) {
     std::string why;
+    if (journal_ && event.channel != "SUBMAP" && event.channel != "GRAPH" &&
+        event.channel != "GROUND_TRUTH")
+      journal_->append(utime_us, event.channel, event.data.data(), event.data.size());
     if (event.channel == "ROBOT_MODEL" && !detector_) {
       robot_ = *from_message(decoded<robot_model_t>(event), &why);
       detector_ = std::make_unique<LoopDetector>(robot_);
@@ -216,8 +223,23 @@ class Bench {
     truth_us_ = message.utime;
     T_truth_ = T_world_base;
   }
+  template <class Message>
+  void append(const std::string& channel, const Message& message) {
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    journal_->append(0, channel, bytes.data(), bytes.size());
+  }
   void say(const std::vector<LoopCandidate>& decided) {
+    const KnownPlacesNews news = detector_->take_news();
+    if (journal_ && !news.retired.empty()) append(kRetiredNote, note_of(news.retired));
+    if (journal_ && !news.known.empty()) append(kKnownPlacesNote, note_of(news.known));
     for (const LoopCandidate& c : decided) {
+      if (c.accepted && journal_)
+        for (const LoopMeasurement& m : c.measurements) {
+          constraint_t message = to_message(m, c.utime_us);
+          message.seq = ++said_;
+          append("CONSTRAINT", message);
+        }
       if (c.accepted) constraints_ += static_cast<std::int64_t>(c.measurements.size());
       if (!verdicts_) continue;
       std::fprintf(stderr, "%d %lld -> %d %lld %s:", static_cast<int>(c.from.kind),
@@ -234,6 +256,8 @@ class Bench {
   }
 
   bool verdicts_, by_truth_;
+  std::unique_ptr<Journal> journal_;
+  std::int64_t said_ = 0;
   RobotModel robot_;
   SE3 T_truth_ = SE3::Identity();
   std::int64_t truth_us_ = 0;
@@ -261,6 +285,11 @@ int main(int argc, char** argv) {
   app.add_option("--minutes", minutes, "stop after so many minutes of drive");
   app.add_flag("--by-truth", by_truth, "nodes lie where GROUND_TRUTH says, not GRAPH");
   app.add_flag("--verdicts", verdicts, "each candidate on stderr, to compare two versions");
+  std::string journal;
+  app.add_option(
+      "--journal", journal,
+      "write the journal that the process would have; then `loop_detector --journal` "
+      "says how long it takes to be built up again");
   CLI11_PARSE(app, argc, argv);
   fusion_slam::Drive drive(files);
   fusion_slam::Bench bench(verdicts, by_truth);
@@ -268,6 +297,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "no GROUND_TRUTH in these logs: leave out --by-truth\n");
     return 2;
   }
+  if (!journal.empty()) bench.write_journal(journal);
   fusion_slam::LogEvent event;
   std::int64_t utime_us = 0, begin_us = 0;
   while (drive.next(&event, &utime_us)) {
