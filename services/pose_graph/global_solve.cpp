@@ -76,6 +76,7 @@ void PoseGraph::meet_global_solve(bool now) {
       std::any_of(edges_.begin() + static_cast<std::ptrdiff_t>(asked), edges_.end(),
                   [](const GraphEdge& edge) { return edge.kind == EdgeKind::kLoop; });
   adopt(answer);
+  thin();  // before the next solve is asked for: while loops keep coming one follows the other
   if (pulls) solve({});  // the answer knows nothing of loops that came since
 }
 
