@@ -83,7 +83,6 @@ void DenseMapper::integrate_ready() {
     const std::int64_t submap_id = submap_of(it->first);
     integrate(it->first, submap_id, it->second);
     integrated_.insert(it->first);
-    to_repeat_.erase(it->first);
     if (it->first != submap_id) T_map_base_.erase(it->first);
     it = waiting_.erase(it);
   }
@@ -103,7 +102,7 @@ DenseSubmap& DenseMapper::submap_for(std::int64_t submap_id) {
 void DenseMapper::integrate(std::int64_t keyframe_id, std::int64_t submap_id,
                             const DepthCloud& cloud) {
   const double resolution_m = robot_.map_resolution_m;
-  const bool repeated = to_repeat_.count(keyframe_id) != 0;
+  const bool repeated = to_repeat_.erase(keyframe_id) != 0;
   if (robot_.planar && !repeated) mounting_.add(cloud, robot_.T_base_camera);
   DenseSubmap& submap = submap_for(submap_id);
   const SE3 T_submap_camera = repeated ? open_keyframes_.at(keyframe_id).T_submap_camera
@@ -268,6 +267,15 @@ void DenseMapper::extend_base() {
 
 // Nothing is left of it; a hand-held camera's still says what is level.
 void DenseMapper::forget_submap(std::int64_t id) {
+  for (auto it = open_keyframes_.begin(); it != open_keyframes_.end();) {
+    if (it->second.submap_id != id) {
+      ++it;
+      continue;
+    }
+    integrated_.insert(it->first);
+    to_repeat_.erase(it->first);
+    it = open_keyframes_.erase(it);
+  }
   submaps_.erase(id);
   T_map_base_.erase(id);
 }

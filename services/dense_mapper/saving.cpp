@@ -21,8 +21,10 @@ std::set<std::int64_t> DenseMapper::needed_images() const {
 }
 
 void DenseMapper::changed_submap(std::int64_t id) {
+  // Those whose images are still to be mapped again are late then, but not lost.
   for (auto it = open_keyframes_.begin(); it != open_keyframes_.end();)
-    it = it->second.submap_id == id ? open_keyframes_.erase(it) : std::next(it);
+    it = it->second.submap_id == id && to_repeat_.count(it->first) == 0 ? open_keyframes_.erase(it)
+                                                                        : std::next(it);
   if (keeps_changes_) changes_.whole.insert(id);
 }
 

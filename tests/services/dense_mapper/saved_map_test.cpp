@@ -117,6 +117,32 @@ TEST_P(SavedMapTest, KilledAfterAKeyframeTheMapIsTheSameByteForByte) {
   }
 }
 
+// A mapper that is behind: newer keyframes are mapped, and their submap is given up, before the
+// images that are to be mapped again come.
+TEST_P(SavedMapTest, ImagesToBeMappedAgainMayComeLate) {
+  config_.keyframes_per_submap = 3;
+  DenseMapper first = mapper();
+  Published published;
+  SavedMap saved;
+  for (int id = 1; id <= 5; ++id) step(id, &first, &published);
+  const SavedBytes bytes = first.take_changes();
+  ASSERT_TRUE(read_saved(bytes.data(), bytes.size(), &saved));
+  const std::set<std::int64_t> needed = first.needed_images();
+  ASSERT_EQ(needed.size(), 2U);
+
+  DenseMapper second = mapper();
+  ASSERT_TRUE(second.restore(std::move(saved)));
+  for (int id = 6; id <= 24; ++id) step(id, &second, &published);
+  for (const std::int64_t id : needed) {
+    EXPECT_EQ(second.needed_images().count(id), 1U) << "or the journal would leave it out";
+    ASSERT_TRUE(second.add_keyframe(id, image(static_cast<int>(id))));
+    second.integrate_ready();
+    second.update(false);
+    EXPECT_EQ(second.needed_images().count(id), 0U);
+  }
+  EXPECT_EQ(second.integrated(), 24U);
+}
+
 TEST_P(SavedMapTest, AllAtOnceSaysWhatTheChangesSaid) {
   DenseMapper mapper = this->mapper();
   Published published;
