@@ -17,7 +17,7 @@ constexpr double kFloorM = 0.03;        // what is lower is driven over
 constexpr std::size_t kPlaces = 160;    // of the road map
 constexpr double kLongestEdgeM = 3.0;   // keeps the way points frequent
 constexpr double kShortestTripM = 1.5;  // a goal nearer than this is no trip
-constexpr double kOftenS = 0.05;        // how often a driven path is checked
+constexpr std::size_t kOften = 50;       // steps after which a driven path is checked
 constexpr int kFutileGoals = 60;        // goals in a row that can't be driven to
 constexpr std::uint8_t kFreeByte = 1;   // truth_map.hpp
 
@@ -89,7 +89,6 @@ struct Driven {
 // is driven, not all that was before it.
 bool drive_on(const std::vector<Eigen::Vector2d>& trip, const Clearance& clearance,
               const RandomRouteOptions& options, Driven* driven) {
-  constexpr auto kOften = static_cast<std::size_t>(kOftenS / Drive::kStepS + 0.5);
   const double longest_s = 4.0 * driven->length_m / options.limits.max_speed_m_s + 10.0;
   for (std::size_t goal = 0; static_cast<double>(driven->steps) * Drive::kStepS < longest_s;) {
     const SE2& pose = driven->step.T_world_base;

@@ -32,7 +32,7 @@ void LoopDetector::set_camera(const CameraModel& camera) {
   if (!camera_) camera_ = camera;
 }
 
-std::vector<LoopCandidate> LoopDetector::add(LoopKeyframe keyframe) {
+std::vector<LoopCandidate> LoopDetector::add(const LoopKeyframe& keyframe) {
   if (keyframe.id <= last_keyframe_) return {};
   std::vector<LoopCandidate> decided = consistency_.expired(keyframe.utime_us, false);
   for (const std::int64_t place : keep(keyframe)) thin_out(place);
@@ -58,7 +58,7 @@ std::vector<LoopCandidate> LoopDetector::add(const LoopScan& scan) {
   return settle(std::move(decided));
 }
 
-void LoopDetector::remember(LoopKeyframe keyframe) {
+void LoopDetector::remember(const LoopKeyframe& keyframe) {
   if (keyframe.id <= last_keyframe_) return;
   const NodeId last{NodeKind::kKeyframe, last_keyframe_};
   if (retired_before_.count(keyframe.id) > 0) {

@@ -52,10 +52,10 @@ class LoopDetector {
 
   // Each returns the candidates whose fate is decided by now. A node whose id is not above the last
   // one's of its kind is ignored.
-  std::vector<LoopCandidate> add(LoopKeyframe keyframe);
+  std::vector<LoopCandidate> add(const LoopKeyframe& keyframe);
   std::vector<LoopCandidate> add(const LoopScan& scan);
   // The same of nodes that an earlier process has looked at: remembered, and nothing is searched.
-  void remember(LoopKeyframe keyframe);
+  void remember(const LoopKeyframe& keyframe);
   void remember(const LoopScan& scan);
   void remember(const LoopMeasurement& loop) { graph_.add_loop(loop); }  // a loop it accepted
   // Before the nodes that it is about.

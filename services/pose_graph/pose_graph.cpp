@@ -8,10 +8,10 @@
 namespace fusion_slam {
 
 PoseGraph::PoseGraph(PoseGraphConfig config)
-    : config_(config),
-      visual_(config.max_interpolation_gap_us, config.track_memory_us),
-      lidar_(config.max_interpolation_gap_us, config.track_memory_us),
-      odometry_(config.max_interpolation_gap_us, config.track_memory_us) {}
+    : config_(std::move(config)),
+      visual_(config_.max_interpolation_gap_us, config_.track_memory_us),
+      lidar_(config_.max_interpolation_gap_us, config_.track_memory_us),
+      odometry_(config_.max_interpolation_gap_us, config_.track_memory_us) {}
 
 void PoseGraph::set_robot(const RobotModel& robot) { robot_ = robot; }
 

@@ -271,7 +271,7 @@ class BackEnd {
       report_.on_node(input.id, input.utime_us);
       watch_.time("graph node", [&] { graph_.add_node(input); });
       pass_on();
-      take(watch_.time("detector scan", [&] { return detector_->add(std::move(loop_scan)); }));
+      take(watch_.time("detector scan", [&] { return detector_->add(loop_scan); }));
     }
     for (const Tile& tile : output.tiles) detector_->add_tile(tile);
     if (!output.pose) return;
