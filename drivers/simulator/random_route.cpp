@@ -17,7 +17,7 @@ constexpr double kFloorM = 0.03;        // what is lower is driven over
 constexpr std::size_t kPlaces = 160;    // of the road map
 constexpr double kLongestEdgeM = 3.0;   // keeps the way points frequent
 constexpr double kShortestTripM = 1.5;  // a goal nearer than this is no trip
-constexpr std::size_t kOften = 50;       // steps after which a driven path is checked
+constexpr std::size_t kOften = 50;      // steps after which a driven path is checked
 constexpr int kFutileGoals = 60;        // goals in a row that can't be driven to
 constexpr std::uint8_t kFreeByte = 1;   // truth_map.hpp
 

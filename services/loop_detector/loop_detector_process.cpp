@@ -56,9 +56,9 @@ void LoopDetectorProcess::on_earlier_loop(const constraint_t& message) {
                               "earlier loop"});
 }
 
-void LoopDetectorProcess::take(LoopKeyframe keyframe) {
-  if (bus_.recovering()) return detector_->remember(std::move(keyframe));
-  publish(detector_->add(std::move(keyframe)));
+void LoopDetectorProcess::take(const LoopKeyframe& keyframe) {
+  if (bus_.recovering()) return detector_->remember(keyframe);
+  publish(detector_->add(keyframe));
 }
 
 void LoopDetectorProcess::take(const LoopScan& scan) {
@@ -93,7 +93,7 @@ void LoopDetectorProcess::start_when_ready() {
   }
   if (!camera_) return;
   detector_->set_camera(*camera_);
-  for (LoopKeyframe& keyframe : std::exchange(early_keyframes_, {})) take(std::move(keyframe));
+  for (const LoopKeyframe& keyframe : std::exchange(early_keyframes_, {})) take(keyframe);
 }
 
 void LoopDetectorProcess::on_keyframe(const keyframe_t& message) {
@@ -101,7 +101,7 @@ void LoopDetectorProcess::on_keyframe(const keyframe_t& message) {
   std::optional<LoopKeyframe> keyframe = from_message(message, &why);
   if (!keyframe) return bus_.report_error("KEYFRAME refused: " + why);
   if (!reset_.passes(message.utime)) return;
-  if (detector_ && camera_) return take(std::move(*keyframe));
+  if (detector_ && camera_) return take(*keyframe);
   if (early_keyframes_.size() >= kMaxEarly)
     return bus_.report_error("KEYFRAME dropped: no CAMERA_MODEL or ROBOT_MODEL yet");
   early_keyframes_.push_back(std::move(*keyframe));

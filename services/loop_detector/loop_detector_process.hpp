@@ -37,7 +37,7 @@ class LoopDetectorProcess {
   void on_command(const command_t& message);
   void start_when_ready();
   void on_earlier_loop(const constraint_t& message);
-  void take(LoopKeyframe keyframe);
+  void take(const LoopKeyframe& keyframe);
   void take(const LoopScan& scan);
   void publish(const std::vector<LoopCandidate>& decided);
   void note_news();

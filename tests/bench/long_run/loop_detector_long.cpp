@@ -144,7 +144,7 @@ class Bench {
       if (!keyframe) return;
       unplaced_.emplace_back(NodeId{NodeKind::kKeyframe, keyframe->id}, utime_us);
       const double before = cpu_ms();
-      const auto decided = detector_->add(std::move(*keyframe));
+      const auto decided = detector_->add(*keyframe);
       keyframe_ms_.push_back(cpu_ms() - before);
       say(decided);
     } else if (event.channel == "LIDAR_NODE") {
@@ -286,10 +286,9 @@ int main(int argc, char** argv) {
   app.add_flag("--by-truth", by_truth, "nodes lie where GROUND_TRUTH says, not GRAPH");
   app.add_flag("--verdicts", verdicts, "each candidate on stderr, to compare two versions");
   std::string journal;
-  app.add_option(
-      "--journal", journal,
-      "write the journal that the process would have; then `loop_detector --journal` "
-      "says how long it takes to be built up again");
+  app.add_option("--journal", journal,
+                 "write the journal that the process would have; then `loop_detector --journal` "
+                 "says how long it takes to be built up again");
   CLI11_PARSE(app, argc, argv);
   fusion_slam::Drive drive(files);
   fusion_slam::Bench bench(verdicts, by_truth);

@@ -301,7 +301,7 @@ class BackEnd {
     report_.on_node(node->id, node->utime_us);
     watch_.time("graph node", [&] { graph_.add_node(*node); });
     pass_on();
-    take(watch_.time("detector keyframe", [&] { return detector_->add(std::move(*keyframe)); }));
+    take(watch_.time("detector keyframe", [&] { return detector_->add(*keyframe); }));
   }
 
   void on_visual_pose(const pose_estimate_t& message) {
