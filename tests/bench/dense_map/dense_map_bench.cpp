@@ -19,6 +19,7 @@
 #include "services/lidar_mapper/submap.hpp"
 #include "tests/bench/dense_map/bench_log.hpp"
 #include "tests/bench/dense_map/bench_score.hpp"
+#include "tests/support/process_meter.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -40,14 +41,6 @@ double cpu_ms() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
-}
-
-double rss_mb() {
-  std::ifstream file("/proc/self/statm");
-  long size = 0;
-  long resident = 0;
-  file >> size >> resident;
-  return static_cast<double>(resident) * 4096e-6;
 }
 
 void print_times(const char* what, std::vector<double> ms) {
@@ -88,7 +81,7 @@ class Bench {
       for (; scan < log_.scans.size(); ++scan) add_scan(log_.scans[scan], lap * length_us);
       if (choice_.laps > 1)
         std::printf("lap %d: %.0f s, %zu keyframes, RSS %.1f MB\n", lap + 1,
-                    log_.seconds * (lap + 1), mapper_->integrated(), rss_mb());
+                    log_.seconds * (lap + 1), mapper_->integrated(), resident_mb());
     }
     finish();
   }
@@ -132,7 +125,7 @@ class Bench {
         "%zu keyframes in %.1f s; %zu grid, %zu octomap, %zu cloud tiles sent, %.1f MB; RSS %.1f "
         "MB\n",
         log_.keyframes.size(), log_.seconds, n_grid_, n_octomap_, n_cloud_,
-        static_cast<double>(bytes_) * 1e-6, rss_mb());
+        static_cast<double>(bytes_) * 1e-6, resident_mb());
     std::printf(
         "kept packed: submaps %.2f MB, composed map %.2f MB; mounting off by %.2f deg, %.1f mm\n",
         static_cast<double>(mapper_->submap_bytes()) * 1e-6,

@@ -2,15 +2,12 @@
 // long drive as fast as it goes; each minute of drive is a line of CSV: memory, processor time a
 // keyframe, what a journal written anew would hold, and what a restart from it takes.
 #include <cstdio>
-#include <ctime>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
 
 #include <CLI/CLI.hpp>
-#include <unistd.h>
 
 #include "fusion_slam/keyframe_image_t.hpp"
 #include "fusion_slam/keyframe_t.hpp"
@@ -19,29 +16,11 @@
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 #include "services/dense_mapper/dense_mapper.hpp"
+#include "tests/support/decoded.hpp"
+#include "tests/support/process_meter.hpp"
 
 namespace fusion_slam {
 namespace {
-
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-double rss_mb() {
-  std::ifstream statm("/proc/self/statm");
-  double size = 0.0, resident = 0.0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
-}
-
-template <class Message>
-Message decoded(const LogEvent& event) {
-  Message message{};
-  message.decode(event.data.data(), 0, static_cast<int>(event.data.size()));
-  return message;
-}
 
 class Drive {
  public:
@@ -74,13 +53,13 @@ class Drive {
     const auto frame = from_message(message.images, &why);
     if (pose == T_map_base_.end() || !frame) return;
     if (begin_us_ == 0) begin_us_ = message.utime;
-    const double begin_ms = cpu_ms();
+    const double begin_ms = process_cpu_ms();
     mapper_->add_keyframe(message.id, *frame);
     mapper_->set_pose(message.id, pose->second, message.utime);
     mapper_->integrate_ready();
     mapper_->update(false);
     journalled_bytes_ += mapper_->take_changes().size() + event_bytes(message);
-    spent_ms_ += cpu_ms() - begin_ms;
+    spent_ms_ += process_cpu_ms() - begin_ms;
     ++n_;
     const double minute = 1e-6 / 60.0 * static_cast<double>(message.utime - begin_us_);
     if (minute >= next_minute_) say(minute);
@@ -91,14 +70,14 @@ class Drive {
   }
   void say(double minute) {
     next_minute_ += 1.0;
-    const double memory_mb = rss_mb();
+    const double memory_mb = resident_mb();
     std::vector<SavedBytes> records;
     std::size_t kept_bytes = 0;
     mapper_->write_all([&](const SavedBytes& bytes) {
       kept_bytes += bytes.size();
       records.push_back(bytes);
     });
-    const double begin_ms = cpu_ms();
+    const double begin_ms = process_cpu_ms();
     SavedMap map;
     bool good = true;
     for (const SavedBytes& bytes : records)
@@ -106,7 +85,7 @@ class Drive {
     DenseMapper again(*camera_, *robot_, DenseMapperConfig{});
     good = good && again.restore(std::move(map));
     again.update(false);
-    const double restart_ms = cpu_ms() - begin_ms;
+    const double restart_ms = process_cpu_ms() - begin_ms;
     std::printf("%.2f,%d,%.1f,%.2f,%.2f,%.2f,%.1f,%.2f,%.0f\n", minute, n_, memory_mb,
                 1e-6 * static_cast<double>(mapper_->submap_bytes()),
                 1e-6 * static_cast<double>(mapper_->map_bytes()), spent_ms_ / (n_ - said_),

@@ -4,15 +4,12 @@
 // restart. CPU time; memory is this process's.
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <set>
 
 #include <CLI/CLI.hpp>
-#include <unistd.h>
 
 #include "bot_core/pose_t.hpp"
 #include "fusion_slam/graph_t.hpp"
@@ -23,29 +20,11 @@
 #include "libs/messages/models.hpp"
 #include "services/loop_detector/loop_detector.hpp"
 #include "services/loop_detector/loop_messages.hpp"
+#include "tests/support/decoded.hpp"
+#include "tests/support/process_meter.hpp"
 
 namespace fusion_slam {
 namespace {
-
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-double rss_mb() {
-  std::ifstream statm("/proc/self/statm");
-  double size = 0.0, resident = 0.0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
-}
-
-template <class Message>
-Message decoded(const LogEvent& event) {
-  Message message{};
-  message.decode(event.data.data(), 0, static_cast<int>(event.data.size()));
-  return message;
-}
 
 NodeKind kind_of(std::int8_t kind) {
   return kind == graph_node_t::LIDAR ? NodeKind::kLidar : NodeKind::kKeyframe;
@@ -143,17 +122,17 @@ class Bench {
       auto keyframe = from_message(decoded<keyframe_t>(event), &why);
       if (!keyframe) return;
       unplaced_.emplace_back(NodeId{NodeKind::kKeyframe, keyframe->id}, utime_us);
-      const double before = cpu_ms();
+      const double before = process_cpu_ms();
       const auto decided = detector_->add(*keyframe);
-      keyframe_ms_.push_back(cpu_ms() - before);
+      keyframe_ms_.push_back(process_cpu_ms() - before);
       say(decided);
     } else if (event.channel == "LIDAR_NODE") {
       const auto scan = from_message(decoded<lidar_node_t>(event), &why);
       if (!scan) return;
       unplaced_.emplace_back(NodeId{NodeKind::kLidar, scan->id}, utime_us);
-      const double before = cpu_ms();
+      const double before = process_cpu_ms();
       const auto decided = detector_->add(*scan);
-      scan_ms_.push_back(cpu_ms() - before);
+      scan_ms_.push_back(process_cpu_ms() - before);
       say(decided);
     } else if (event.channel == "SUBMAP") {
       detector_->add_tile(from_message(decoded<tile_t>(event)));
@@ -178,7 +157,7 @@ class Bench {
     const LoopCounts& c = detector_->counts();
     std::printf(
         "%lld,%.1f,%.2f,%.2f,%.2f,%.2f,%lld,%lld,%lld,%lld,%lld,%zu,%zu,%zu\n",
-        static_cast<long long>(minute_), rss_mb(), mean(keyframe_ms_), p95(&keyframe_ms_),
+        static_cast<long long>(minute_), resident_mb(), mean(keyframe_ms_), p95(&keyframe_ms_),
         mean(scan_ms_), p95(&scan_ms_), static_cast<long long>(c.candidates - last_.candidates),
         static_cast<long long>(c.accepted - last_.accepted), static_cast<long long>(constraints_),
         static_cast<long long>(c.lidar_searches - last_.lidar_searches),

@@ -4,7 +4,6 @@
 // OUT/graph.svg, and says where the time goes, what bundle adjustment did, and how honest the
 // covariances are. --wrong-loop puts false closures into the graph and says what becomes of them.
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -29,6 +28,8 @@
 #include "services/pose_graph/pose_graph.hpp"
 #include "tests/bench/loops/edge_nees.hpp"
 #include "tests/bench/loops/wrong_loops.hpp"
+#include "tests/support/decoded.hpp"
+#include "tests/support/process_meter.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -36,19 +37,14 @@ namespace {
 // CPU time of this process, its threads included: others may be at work on the machine.
 class Stopwatch {
  public:
-  static double cpu_ms() {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-  }
   template <class Work>
   auto time(const char* what, Work work) {
     struct Stop {
       Stopwatch* watch;
       const char* what;
       double before_ms;
-      ~Stop() { watch->ms_[what].push_back(cpu_ms() - before_ms); }
-    } stop{this, what, cpu_ms()};
+      ~Stop() { watch->ms_[what].push_back(process_cpu_ms() - before_ms); }
+    } stop{this, what, process_cpu_ms()};
     return work();
   }
   void report() {
@@ -189,13 +185,6 @@ class BackEnd {
                   T.translation().z(), q.x(), q.y(), q.z(), q.w());
     return line;
   }
-  template <class Message>
-  static Message decoded(const LogEvent& event) {
-    Message message;
-    message.decode(event.data.data(), 0, static_cast<int>(event.data.size()));
-    return message;
-  }
-
   // Where the last node is as seen from the first, against the truth: what is left after closure.
   void say_end_to_start() const {
     std::map<std::int64_t, SE3> by_time;

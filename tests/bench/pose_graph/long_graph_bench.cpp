@@ -3,55 +3,38 @@
 // that are unknowns and nodes in all, edges, CPU time per message, and how many nodes GRAPH would
 // carry.
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <iostream>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <malloc.h>
-#include <unistd.h>
 
 #include "libs/eventlog/reader.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 #include "services/pose_graph/graph_messages.hpp"
 #include "services/pose_graph/pose_graph.hpp"
+#include "tests/support/decoded.hpp"
+#include "tests/support/process_meter.hpp"
 
 namespace fusion_slam {
 namespace {
 
-// Of this process with its threads: others may be at work on the machine.
-double cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 double rss_mb() {
   malloc_trim(0);
-  std::ifstream file("/proc/self/statm");
-  double pages = 0.0, resident = 0.0;
-  file >> pages >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
-}
-
-template <class Message>
-Message decoded(const LogEvent& event) {
-  Message message;
-  message.decode(event.data.data(), 0, static_cast<int>(event.data.size()));
-  return message;
+  return resident_mb();
 }
 
 class LongRun {
  public:
   void on(const LogEvent& event) {
-    const double before_s = cpu_s();
+    const double before_s = 1e-3 * process_cpu_ms();
     if (!feed(event)) return;
     for (const auto& change : graph.take_changes()) said_ += change.first.id > 0 ? 1 : 0;
     graph.take_poses();
     graph.take_retirements();
-    const double took_s = cpu_s() - before_s;
+    const double took_s = 1e-3 * process_cpu_ms() - before_s;
     ++messages_;
     sum_s_ += took_s;
     worst_s_ = std::max(worst_s_, took_s);
@@ -68,7 +51,7 @@ class LongRun {
     std::printf("%.1f,%.1f,%zu,%zu,%zu,%ld,%ld,%ld,%.3f,%.1f,%ld,%.2f\n", minute, rss_mb(),
                 graph.nodes().size(), graph.n_nodes(), graph.edges().size(), n.loops, n.solves,
                 n.bundles + n.bundles_refused, 1e3 * sum_s_ / static_cast<double>(messages_),
-                1e3 * worst_s_, said_, cpu_s());
+                1e3 * worst_s_, said_, 1e-3 * process_cpu_ms());
     std::fflush(stdout);
     messages_ = said_ = 0;
     sum_s_ = worst_s_ = 0.0;
