@@ -48,6 +48,22 @@ void LshIndex::remove(int label) {
   if (4 * n_removed_ > entries_.size()) clean_up();
 }
 
+void LshIndex::keep_only(const std::function<bool(int label)>& wanted) {
+  for (auto it = n_of_label_.begin(); it != n_of_label_.end();) {
+    if (!wanted(it->first)) {
+      removed_.insert(removed_.end(), it->first);
+      n_removed_ += it->second;
+      it = n_of_label_.erase(it);
+    } else {
+      ++it;
+    }
+  }
+  if (n_removed_ == 0) return;
+  clean_up();
+  entries_.shrink_to_fit();
+  next_.shrink_to_fit();
+}
+
 void LshIndex::clean_up() {
   entries_.erase(std::remove_if(entries_.begin(), entries_.end(),
                                 [this](const Entry& e) { return removed_.count(e.label) > 0; }),

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <set>
 #include <vector>
@@ -23,6 +24,8 @@ class LshIndex {
   // All descriptors of the label are gone; their room is given back when they are a quarter of all.
   // Labels that are removed may not come again.
   void remove(int label);
+  // All but the labels that are wanted are gone, and their room is given back at once.
+  void keep_only(const std::function<bool(int label)>& wanted);
   std::size_t size() const { return entries_.size() - n_removed_; }
 
   struct Near {

@@ -12,8 +12,18 @@ void GraphRevision::forget(std::int64_t keyframe) {
   taken_.erase(keyframe);
 }
 
+// Keyframes that local mapping has culled. What is known of them is asked for nowhere.
+void GraphRevision::forget_gone(const VisualMap& map) {
+  if (said_.size() <= 2 * map.keyframes().size() + 64) return;
+  for (auto it = said_.begin(); it != said_.end();) {
+    const std::int64_t id = (it++)->first;
+    if (map.keyframe(id) == nullptr) forget(id);
+  }
+}
+
 Revised GraphRevision::take_up(std::int64_t reference, const SE3& T_base_camera,
                                const VisualOdometryConfig& config, VisualMap* map) {
+  forget_gone(*map);
   if (!news_) {
     taken_.insert(said_.begin(), said_.end());
     return {};

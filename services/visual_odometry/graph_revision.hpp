@@ -35,6 +35,8 @@ class GraphRevision {
   void forget(std::int64_t keyframe);
 
  private:
+  void forget_gone(const VisualMap& map);
+
   std::map<std::int64_t, SE3> said_;   // newest
   std::map<std::int64_t, SE3> taken_;  // as of the last take_up()
   bool news_ = false;

@@ -35,7 +35,7 @@ class LandmarkTable {
   Landmark* find(std::int64_t id) {
     const auto page = static_cast<std::size_t>(id) / kPage;
     if (page >= pages_.size() || !pages_[page]) return nullptr;
-    return (*pages_[page])[static_cast<std::size_t>(id) % kPage];
+    return pages_[page]->landmarks[static_cast<std::size_t>(id) % kPage];
   }
   const Landmark* find(std::int64_t id) const { return const_cast<LandmarkTable*>(this)->find(id); }
   Landmark& at(std::int64_t id) { return map_.at(id); }
@@ -54,14 +54,22 @@ class LandmarkTable {
   }
 
  private:
-  static constexpr std::size_t kPage = 512;
-  using Page = std::array<Landmark*, kPage>;  // into map_, whose nodes stay where they are
+  // Ids are never given again: pages are small, so that one goes when its few landmarks have gone.
+  static constexpr std::size_t kPage = 64;
+  struct Page {
+    std::array<Landmark*, kPage> landmarks{};  // into map_, whose nodes stay where they are
+    std::size_t n = 0;                         // that are not null
+  };
 
   void index(std::int64_t id, Landmark* landmark) {
     const auto page = static_cast<std::size_t>(id) / kPage;
     if (page >= pages_.size()) pages_.resize(page + 1);
-    if (!pages_[page]) pages_[page] = std::make_unique<Page>();  // all null
-    (*pages_[page])[static_cast<std::size_t>(id) % kPage] = landmark;
+    if (!pages_[page]) pages_[page] = std::make_unique<Page>();
+    Landmark*& slot = pages_[page]->landmarks[static_cast<std::size_t>(id) % kPage];
+    pages_[page]->n += (landmark != nullptr ? 1U : 0U);
+    pages_[page]->n -= (slot != nullptr ? 1U : 0U);
+    slot = landmark;
+    if (pages_[page]->n == 0) pages_[page].reset();
   }
   void index_all() {
     for (auto& [id, landmark] : map_) index(id, &landmark);

@@ -11,19 +11,27 @@ constexpr int kVoteDistance = 48;    // bits: stricter than matching, for all th
 constexpr std::size_t kAsked = 400;  // features of the frame, evenly
 constexpr int kMinVotes = 8;
 constexpr std::int64_t kOnePlace = 3;  // keyframes with ids so near show one place
+constexpr std::size_t kFirstLook = 65536;
 
 }  // namespace
 
-PlaceIndex::PlaceIndex() : index_(kTables, kKeyBits, 1) {}
+PlaceIndex::PlaceIndex() : index_(kTables, kKeyBits, 1), look_through_at_(kFirstLook) {}
 
 void PlaceIndex::add(const VisualMap& map, std::int64_t keyframe) {
   const MapKeyframe* known = map.keyframe(keyframe);
   if (known == nullptr) return;
+  if (index_.size() >= look_through_at_) forget_gone(map);
   for (const std::int64_t id : known->landmark_of_feature) {
     const Landmark* landmark = id == 0 ? nullptr : map.landmark(id);
     if (landmark != nullptr && landmark->born == keyframe)
       index_.add(landmark->descriptor, static_cast<int>(id));
   }
+}
+
+// Most landmarks are fused with others sooner or later, or culled.
+void PlaceIndex::forget_gone(const VisualMap& map) {
+  index_.keep_only([&](int id) { return map.landmark(id) != nullptr; });
+  look_through_at_ = std::max(kFirstLook, index_.size() + index_.size() / 2);
 }
 
 void PlaceIndex::add_landmarks(const VisualMap& map, const std::vector<std::int64_t>& ids) {

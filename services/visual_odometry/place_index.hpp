@@ -28,8 +28,15 @@ class PlaceIndex {
   std::vector<std::int64_t> similar(const VisualMap& map, const FeatureSet& set, int except_segment,
                                     std::size_t most) const;
 
+  // Landmarks, with those that have gone from the map since it was last looked through: at most
+  // half as many again as are there, or 65536.
+  std::size_t size() const { return index_.size(); }
+
  private:
+  void forget_gone(const VisualMap& map);
+
   LshIndex index_;
+  std::size_t look_through_at_;  // so many landmarks
 };
 
 }  // namespace fusion_slam

@@ -51,6 +51,7 @@ class VisualOdometry {
   void reset();
 
   const VisualMap& map() const { return map_; }
+  const PlaceIndex& places() const { return places_; }
   const VisualOdometryCounts& counts() const { return counts_; }
 
  private:

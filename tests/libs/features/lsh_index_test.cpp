@@ -125,6 +125,33 @@ TEST(LshIndex, WhatIsRemovedWasNeverThere) {
   }
 }
 
+TEST(LshIndex, KeepOnlyIsAnIndexOfWhatIsKept) {
+  std::mt19937 random(6);
+  LshIndex index(8, 10, 7), anew(8, 10, 7);
+  const auto wanted = [](int label) { return label % 3 == 0; };
+  for (int i = 0; i < 900; ++i) {
+    Descriptor d;
+    for (auto& word : d) word = random() % 16;
+    const int label = i % 300;
+    index.add(d, label);
+    if (wanted(label) && label != 6) anew.add(d, label);
+  }
+  index.remove(6);
+  index.keep_only(wanted);
+  index.keep_only([](int) { return true; });
+  EXPECT_EQ(index.size(), anew.size());
+  for (int q = 0; q < 50; ++q) {
+    Descriptor query;
+    for (auto& word : query) word = random() % 16;
+    const auto is = index.near(query, 6), should = anew.near(query, 6);
+    ASSERT_EQ(is.size(), should.size());
+    for (std::size_t i = 0; i < is.size(); ++i) {
+      EXPECT_EQ(is[i].label, should[i].label);
+      EXPECT_EQ(is[i].distance, should[i].distance);
+    }
+  }
+}
+
 TEST(LshIndex, TwoOfTheSameSeedAreTheSame) {
   LshIndex a(4, 12, 3);
   LshIndex b(4, 12, 3);
