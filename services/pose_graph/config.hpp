@@ -68,6 +68,11 @@ struct PoseGraphConfig {
   double odometry_slip = 0.05;
   double odometry_turn_slip = 0.05;
 
+  // A visual edge is doubted when the LiDAR saw the same motion and contradicts it by so much
+  // (sensor_agreement.hpp). Over a longer time the LiDAR's own drift would have to be known.
+  double agreement_chi2 = 30.0;
+  std::int64_t agreement_us = 5'000'000;
+
   // A track that broke and starts anew without odometry or the other sensor: it can be this far
   // off, plus this speed times the time it was blind.
   double restart_translation_m = 0.2;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "libs/geometry/orthonormal.hpp"
+#include "services/pose_graph/sensor_agreement.hpp"
 
 namespace fusion_slam {
 
@@ -199,10 +200,31 @@ bool PoseGraph::tie_keyframes() {
                 interpolated_covariance(config_, *seen), 1.0});
       ++counts_.ties;
       tied = true;
+      doubt_visual_edge(id);
     }
     it = waiting_ties_.erase(it);
   }
   return tied;
+}
+
+// The edge from a keyframe to its previous one, now that the LiDAR has gone the same way.
+void PoseGraph::doubt_visual_edge(const NodeId& keyframe) {
+  const auto edge = std::find_if(edges_.rbegin(), edges_.rend(), [&](const GraphEdge& e) {
+    return e.kind == EdgeKind::kVisual && e.to == keyframe && e.said_from.id == 0;
+  });
+  const auto from = edge == edges_.rend() ? nodes_.end() : nodes_.find(edge->from);
+  if (from == nodes_.end()) return;
+  const std::int64_t from_us = from->second.utime_us, to_us = nodes_.at(keyframe).utime_us;
+  if (to_us - from_us > config_.agreement_us) return;
+  const auto motion = lidar_.motion(from_us, to_us);
+  if (!motion) return;
+  const LidarSays lidar{*motion, interpolated_covariance(config_, *lidar_.at(from_us)) +
+                                     interpolated_covariance(config_, *lidar_.at(to_us))};
+  const auto doubted = doubted_covariance(config_.noise, *edge, lidar, robot_ && robot_->planar,
+                                          config_.agreement_chi2);
+  if (!doubted) return;
+  edge->covariance = *doubted;
+  ++counts_.edges_doubted;
 }
 
 // True: the graph should be solved. A loop that agrees with the graph as it is can wait for others.

@@ -34,7 +34,8 @@ struct PoseGraphCounts {
   std::int64_t loops_outvoted = 0;
   std::int64_t loops_switched_off = 0;
   std::int64_t ties = 0;
-  std::int64_t bundles = 0;  // global bundle adjustments taken over
+  std::int64_t edges_doubted = 0;  // of the camera, for the LiDAR contradicts them
+  std::int64_t bundles = 0;        // global bundle adjustments taken over
   std::int64_t bundles_refused = 0;
   std::int64_t restarts = 0;  // tracks that started anew and were hung on the last known pose
   std::int64_t levellings = 0;
@@ -136,6 +137,7 @@ class PoseGraph {
   Hang hang_on_last_known(const NodeInput& node) const;
   bool may_still_come(NodeKind sensor, std::int64_t utime_us) const;
   bool tie_keyframes();
+  void doubt_visual_edge(const NodeId& keyframe);
   bool take_loops();
   bool was_switched_off(const LoopInput& loop);
   void refine_window();

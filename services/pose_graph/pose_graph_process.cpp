@@ -252,7 +252,8 @@ void PoseGraphProcess::say_state() {
   bus_.set_state_text(std::to_string(graph_.n_nodes()) + " nodes (" + std::to_string(n.retired) +
                       " carried by others), " + std::to_string(n.loops) + " loops (" +
                       std::to_string(n.loops_outvoted) + " outvoted), " + std::to_string(n.ties) +
-                      " camera-LiDAR ties, " + std::to_string(n.restarts) + " restarts, " +
+                      " camera-LiDAR ties, " + std::to_string(n.edges_doubted) +
+                      " camera edges doubted, " + std::to_string(n.restarts) + " restarts, " +
                       std::to_string(n.bundles) + " bundle adjustments" +
                       (n.bundles_refused > 0
                            ? " (" + std::to_string(n.bundles_refused) +

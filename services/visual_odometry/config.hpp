@@ -98,7 +98,9 @@ struct VisualOdometryConfig {
   int reloc_inliers = 25;            // to be found again
   int join_inliers = 30;             // to join two segments
   std::size_t reloc_candidates = 3;  // places tried in one frame
-  // Vision that is WEAK and moves this much otherwise than the LiDAR says is LOST.
+  // Vision that is WEAK, or whose agreeing features are less than this share of those seen, and
+  // that moves this much otherwise than the LiDAR says is LOST.
+  double doubted_share = 0.2;
   double disagree_m = 0.15;
   double disagree_rad = 0.15;
   int settle_keyframes = 10;  // after so many newer ones a keyframe's edge no longer changes

@@ -75,13 +75,14 @@ TrackingResult VisualOdometry::place(const RgbdFrame& frame, const FeatureSet* f
 
   std::string why = "no pose explains the features";
   std::optional<PoseEstimate> estimate = track_from(guesses(frame.utime_us), set);
-  if (estimate && contradicts_lidar(frame.utime_us, *estimate)) {
+  const bool refuted = estimate && contradicts_lidar(frame.utime_us, *estimate, set.size());
+  if (refuted) {
     why = "few features agree, and not with the LiDAR's motion";
     estimate.reset();
   }
   if (!estimate || static_cast<int>(estimate->matched.matches.size()) < config_.min_inliers_ok)
     if (auto carried = carry_on(frame.utime_us, set)) estimate = std::move(carried);
-  if (!estimate) estimate = find_again(set);
+  if (!estimate) estimate = find_again(frame.utime_us, set, refuted);
   if (!estimate) return lost(frame.utime_us, why, std::move(set));
   return tracked(frame.utime_us, *estimate, std::move(set));
 }
@@ -260,8 +261,10 @@ std::optional<PoseEstimate> VisualOdometry::carry_on(std::int64_t utime_us, cons
   return estimate;
 }
 
-// Without any guess: the last places, and those of the whole map that look alike.
-std::optional<PoseEstimate> VisualOdometry::find_again(const FeatureSet& set) {
+// Without any guess: the last places, and those of the whole map that look alike. After the LiDAR
+// has refuted a pose not the same one by another way.
+std::optional<PoseEstimate> VisualOdometry::find_again(std::int64_t utime_us, const FeatureSet& set,
+                                                       bool refuted) {
   if (mapping_.busy() && config_.wait_for_mapping) finish_mapping();
   std::vector<std::int64_t> candidates{newest_};
   for (const std::int64_t id : places_.similar(map_, set, kNoSegment, config_.reloc_candidates))
@@ -269,6 +272,7 @@ std::optional<PoseEstimate> VisualOdometry::find_again(const FeatureSet& set) {
   const int enough = resumed_ ? config_.min_inliers_ok : config_.reloc_inliers;
   auto found = relocalise(map_, candidates, camera_, set, scales_, enough, config_);
   if (!found) return std::nullopt;
+  if (refuted && contradicts_lidar(utime_us, found->estimate, set.size())) return std::nullopt;
   reference_ = found->keyframe;
   segment_ = map_.keyframe(reference_)->segment;
   local_ = std::move(found->local);
@@ -278,12 +282,17 @@ std::optional<PoseEstimate> VisualOdometry::find_again(const FeatureSet& set) {
   return found->estimate;
 }
 
-// Few features agree by chance with a pose that isn't so; two sensors rarely with the same one.
-bool VisualOdometry::contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate) const {
-  if (static_cast<int>(estimate.matched.matches.size()) >= config_.min_inliers_ok) return false;
+// A few features of many agree by chance with a pose that isn't so; two sensors rarely with the
+// same one.
+bool VisualOdometry::contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate,
+                                       std::size_t n_features) const {
+  const std::size_t agree = estimate.matched.matches.size();
+  const bool few = agree < static_cast<std::size_t>(config_.min_inliers_ok);
+  const double share = static_cast<double>(agree) / static_cast<double>(n_features);
+  if (!few && share >= config_.doubted_share) return false;
   const std::optional<SE3> predicted = lidar_prediction(utime_us);
   // Nothing tells how far the robot went while this process was dead.
-  if (!predicted) return resumed_;
+  if (!predicted) return few && resumed_;
   const Vector6d apart = local(*predicted, estimate.T_odom_camera);
   return apart.head<3>().norm() > config_.disagree_m ||
          apart.tail<3>().norm() > config_.disagree_rad;

@@ -73,8 +73,10 @@ class VisualOdometry {
   std::optional<PoseEstimate> track_from(const std::vector<Guess>& guesses, const FeatureSet& set);
   std::optional<PoseEstimate> carry_on(std::int64_t utime_us, const FeatureSet& set);
   SurfaceTie tie_to_reference() const;
-  std::optional<PoseEstimate> find_again(const FeatureSet& set);
-  bool contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate) const;
+  std::optional<PoseEstimate> find_again(std::int64_t utime_us, const FeatureSet& set,
+                                         bool refuted);
+  bool contradicts_lidar(std::int64_t utime_us, const PoseEstimate& estimate,
+                         std::size_t n_features) const;
   TrackingResult place(const RgbdFrame& frame, const FeatureSet* features);
   TrackingResult tracked(std::int64_t utime_us, const PoseEstimate& estimate, FeatureSet set);
   TrackingResult lost(std::int64_t utime_us, const std::string& why, FeatureSet set);

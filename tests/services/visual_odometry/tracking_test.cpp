@@ -130,6 +130,35 @@ TEST_F(Tracking, StartsANewSegmentWhereItWasLost) {
   EXPECT_EQ(result.state, TrackingState::kOk);
 }
 
+// A strip of the picture shows the old wall from elsewhere, all else is new: with the LiDAR's word
+// against it that is no pose, however many features the strip has.
+TEST_F(Tracking, AFewOfManyFeaturesDoNotOutvoteTheLidar) {
+  VisualOdometryConfig config;
+  config.disagree_m = 0.05;
+  const RenderedWall elsewhere(99);
+  const SE3 T_moved = walk(6) * from_xyz_rpy(0.08, 0, 0, 0, 0, 0);
+  for (const bool lidar : {false, true}) {
+    VisualOdometry odometry(camera_, robot_with(kMounting), config);
+    for (int step = 0; step < 6; ++step)
+      odometry.track(wall_.see(camera_, walk(step), (step + 1) * kFrame_us));
+    for (int step = 0; lidar && step < 8; ++step)
+      odometry.add_lidar_pose((step + 1) * kFrame_us, truth(step));
+    RgbdFrame frame = elsewhere.see(camera_, walk(6), 7 * kFrame_us);
+    const RgbdFrame old = wall_.see(camera_, T_moved, 7 * kFrame_us);
+    const cv::Rect strip(0, 180, camera_.width_px, 120);
+    old.colour_bgr(strip).copyTo(frame.colour_bgr(strip));
+    old.depth_mm(strip).copyTo(frame.depth_mm(strip));
+    const TrackingResult result = odometry.track(frame);
+    if (lidar) {
+      EXPECT_EQ(result.state, TrackingState::kLost);
+      EXPECT_LT(local(truth(6), result.T_odom_base).norm(), 0.01) << "the LiDAR bridges";
+    } else {
+      EXPECT_GE(result.n_matched, config.min_inliers_ok);  // the trap is one
+      EXPECT_GT(local(truth(6), result.T_odom_base).norm(), 0.05);
+    }
+  }
+}
+
 TEST_F(Tracking, BadFramesAreRefusedAndChangeNothing) {
   show(0);
   const TrackingResult good = show(1);
