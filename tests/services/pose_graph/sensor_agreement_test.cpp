@@ -31,7 +31,8 @@ TEST(SensorAgreement, OnlyAContradictionIsDoubted) {
   };
   EXPECT_FALSE(doubted(SE3::Identity(), 0.01));
   EXPECT_FALSE(doubted(from_xyz_rpy(0.03, -0.03, 0, 0, 0, 0.03), 0.01));
-  EXPECT_FALSE(doubted(from_xyz_rpy(0, 0, 0.5, 0.05, 0.05, 0), 0.01));  // a scan knows nothing of it
+  EXPECT_FALSE(
+      doubted(from_xyz_rpy(0, 0, 0.5, 0.05, 0.05, 0), 0.01));  // a scan knows nothing of it
   EXPECT_TRUE(doubted(from_xyz_rpy(0.4, 0, 0, 0, 0, 0), 0.01));
   EXPECT_FALSE(doubted(from_xyz_rpy(0.4, 0, 0, 0, 0, 0), 0.3)) << "along a corridor";
   EXPECT_TRUE(doubted(from_xyz_rpy(0, 0.4, 0, 0, 0, 0), 0.3)) << "across it";
