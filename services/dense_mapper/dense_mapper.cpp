@@ -9,6 +9,8 @@ namespace fusion_slam {
 namespace {
 
 constexpr double kExactSlackM = 1e-6;   // rounding is not motion
+constexpr double kSamePlaceM = 0.75;    // an image from there shows the same, but for ...
+constexpr double kSamePlaceRad = 0.5;   // ... half of a field of view
 constexpr double kSubmapRadiusM = 4.0;  // how far from its anchor a submap matters, for the slack
 
 // How far `to` moves a point at the submap's rim against `from`.
@@ -88,6 +90,36 @@ void DenseMapper::integrate_ready() {
   }
 }
 
+bool DenseMapper::repeats_a_place(std::int64_t id) const {
+  if (submap_of(id) != id || submaps_.count(id) != 0 || T_map_base_.count(id) == 0) return false;
+  const SE3 T_map_base = pose_of(id);
+  return std::any_of(submaps_.begin(), submaps_.end(), [&](const auto& entry) {
+    const DenseSubmap& submap = entry.second;
+    if (!submap.closed || submap.packed.empty()) return false;
+    const SE3 moved = submap.T_map_submap.inverse() * T_map_base;
+    return moved.translation().norm() < kSamePlaceM &&
+           log_so3(moved.linear()).norm() < kSamePlaceRad;
+  });
+}
+
+bool DenseMapper::belongs_to_left_out(std::int64_t id) const {
+  const std::int64_t submap_id = submap_of(id);
+  return integrated_.contains(submap_id) && submaps_.count(submap_id) == 0;
+}
+
+void DenseMapper::leave_out(std::int64_t id) {
+  const std::int64_t submap_id = submap_of(id);
+  std::set<std::int64_t> ids{id};
+  for (auto it = waiting_.lower_bound(id);
+       it != waiting_.end() && submap_of(it->first) == submap_id; it = waiting_.erase(it))
+    ids.insert(it->first);
+  for (const std::int64_t one : ids) {
+    if (!integrated_.insert(one)) continue;
+    T_map_base_.erase(one);
+    if (keeps_changes_) changes_.left_out.insert(one);
+  }
+}
+
 DenseSubmap& DenseMapper::submap_for(std::int64_t submap_id) {
   auto it = submaps_.find(submap_id);
   if (it != submaps_.end()) return it->second;
@@ -150,7 +182,7 @@ bool DenseMapper::anything_moved(double slack_m) const {
 
 bool DenseMapper::due() const {
   if (fresh_keyframes_ > 0 || grid_is_late_) return true;
-  if (graph_us_ < placed_us_ + config_.moved_period_us) return false;
+  if (!follows_moves_ || graph_us_ < placed_us_ + config_.moved_period_us) return false;
   return anything_moved(config_.slack_voxels * robot_.map_resolution_m);
 }
 
@@ -165,7 +197,7 @@ DenseTiles DenseMapper::update(bool exact) {
 DenseTiles DenseMapper::update_grid(bool exact) {
   finishing_ = exact;
   maps_due_ |= exact || grid_is_late_;
-  if (exact || graph_us_ >= placed_us_ + config_.moved_period_us)
+  if (exact || (follows_moves_ && graph_us_ >= placed_us_ + config_.moved_period_us))
     maps_due_ |=
         place_submaps(exact ? kExactSlackM : config_.slack_voxels * robot_.map_resolution_m);
   if (!dirty_base_.empty()) base_.rebuild_cells(dirty_base_, submaps_, base_upto_);
@@ -207,6 +239,7 @@ bool DenseMapper::place_submaps(double slack_m) {
     mark_all(submap);  // where it goes
     moved = true;
   }
+  if (moved) ++times_followed_;
   return moved;
 }
 

@@ -80,6 +80,19 @@ class DenseMapper {
   bool has(std::int64_t id) const { return waiting_.count(id) != 0 || integrated_.contains(id); }
   // Nothing keeps it from being mapped at once.
   bool ready(std::int64_t id) const;
+
+  // --- for a process that can't keep up (pace.hpp); never in a replay
+  // False: anchors that move are not followed until this is called again, or for the final map.
+  void follow_moves(bool follow) { follows_moves_ = follow; }
+  // How often update_grid() has composed submaps that moved.
+  std::int64_t times_followed() const { return times_followed_; }
+  // A submap would begin with this keyframe, where the base of a closed one, looking the same way,
+  // lies close by.
+  bool repeats_a_place(std::int64_t id) const;
+  // Not mapped, nor are the other keyframes of a submap that begins with it. Counts as mapped.
+  void leave_out(std::int64_t id);
+  // Of a submap that was left out, or forgotten since.
+  bool belongs_to_left_out(std::int64_t id) const;
   // Keyframes whose images a restart would need: of open submaps, and those that wait.
   std::set<std::int64_t> needed_images() const;
   // While an earlier process's images are mapped again without records of it: full submaps are
@@ -164,12 +177,16 @@ class DenseMapper {
   std::int64_t placed_us_ = 0;  // graph when submaps were last placed
   std::int64_t dropped_ = 0;
 
+  bool follows_moves_ = true;
+  std::int64_t times_followed_ = 0;
+
   bool keeps_changes_ = false;
   struct Changes {
     bool values = false;
     std::map<std::int64_t, SavedKeyframe> keyframes;
-    std::set<std::int64_t> whole;   // submaps: closed, or dropped from
-    std::set<std::int64_t> placed;  // submaps: the rest
+    std::set<std::int64_t> whole;     // submaps: closed, or dropped from
+    std::set<std::int64_t> placed;    // submaps: the rest
+    std::set<std::int64_t> left_out;  // keyframes
   } changes_;
 };
 

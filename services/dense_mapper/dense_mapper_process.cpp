@@ -1,6 +1,7 @@
 #include "services/dense_mapper/dense_mapper_process.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <string>
 
 #include "fusion_slam/constraint_t.hpp"
@@ -15,6 +16,10 @@ constexpr std::size_t kMaxEarlyImages = 64;  // models come at 1 Hz, keyframes a
 // So many images are looked at before their poses have come; a cloud takes 1.3 MB, an image 80 KB.
 constexpr std::size_t kLookedAtAhead = 16;
 constexpr std::size_t kMaxPending = 512;
+
+double steady_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 }  // namespace
 
@@ -86,8 +91,9 @@ void DenseMapperProcess::take_image(const keyframe_image_t& message) {
   if (!reset_.passes(message.utime)) return;
   number_[message.id] = message.seq;
   if (bus_.recovering() && mapper_->has(message.id)) return;
-  if (mapper_->ready(message.id) || mapper_->waiting() < kLookedAtAhead)
-    return add_keyframe(message);
+  if (mapper_->ready(message.id)) return map_or_leave_out(message);
+  if (mapper_->belongs_to_left_out(message.id)) return leave_out(message.id);
+  if (mapper_->waiting() < kLookedAtAhead && !Pace::behind(queue())) return add_keyframe(message);
   pending_.emplace(message.id, message);
   if (pending_.size() <= kMaxPending) return;
   bus_.report_error("KEYFRAME_IMAGE " + std::to_string(pending_.begin()->first) +
@@ -95,14 +101,35 @@ void DenseMapperProcess::take_image(const keyframe_image_t& message) {
   pending_.erase(pending_.begin());
 }
 
+// When images come faster than they can be mapped, the queue must not grow for ever. A submap is
+// left out as a whole: half of one costs as much to keep.
+void DenseMapperProcess::map_or_leave_out(const keyframe_image_t& message) {
+  const std::size_t waiting = queue();
+  if (mapper_->belongs_to_left_out(message.id) ||
+      (Pace::behind(waiting) && mapper_->repeats_a_place(message.id) && !pace_.maps_next(waiting)))
+    leave_out(message.id);
+  else
+    add_keyframe(message);
+}
+
+void DenseMapperProcess::leave_out(std::int64_t id) {
+  mapper_->leave_out(id);
+  ++left_out_;
+}
+
+std::size_t DenseMapperProcess::queue() const {
+  if (bus_.mode() != Mode::kLive || bus_.recovering()) return 0;
+  return static_cast<std::size_t>(bus_.status().queue);
+}
+
 void DenseMapperProcess::integrate() {
   mapper_->integrate_ready();
   for (auto it = pending_.begin(); it != pending_.end();) {
-    if (!mapper_->ready(it->first)) {
+    if (!mapper_->ready(it->first) && !mapper_->belongs_to_left_out(it->first)) {
       ++it;
       continue;
     }
-    add_keyframe(it->second);
+    map_or_leave_out(it->second);
     mapper_->integrate_ready();
     it = pending_.erase(it);
   }
@@ -172,6 +199,8 @@ void DenseMapperProcess::reset() {
   all_is_due_ = true;
   finished_ = false;
   begins_anew_ = true;
+  pace_ = Pace();
+  left_out_ = 0;
   for (TilePublisher* out : {&octomap_out_, &cloud_out_, &grid_out_}) out->clear();
   if (!mapper_) return;
   mapper_ = std::make_unique<DenseMapper>(*camera_, *robot_, DenseMapperConfig{});
@@ -181,18 +210,31 @@ void DenseMapperProcess::reset() {
 
 void DenseMapperProcess::integrate_and_publish() {
   integrate();
+  const bool live = bus_.mode() == Mode::kLive;
+  if (live) mapper_->follow_moves(pace_.may_follow(steady_s()));
   if (finished_ || mapper_->due()) {
     if (const auto wish = mapper_->wish_level(finished_)) publish_level(*wish);
-    // The raster first: the fused map waits for it.
-    for (const Tile& tile : mapper_->update_grid(finished_).grid) grid_out_.publish(tile);
-    const DenseTiles maps = mapper_->update_maps();
-    for (const Tile& tile : maps.octomap) octomap_out_.publish(tile);
-    for (const Tile& tile : maps.cloud) cloud_out_.publish(tile);
+    const double begin_s = steady_s();
+    const std::int64_t times = mapper_->times_followed();
+    publish_maps();
+    const double end_s = steady_s();
+    if (live && mapper_->times_followed() != times) pace_.followed(end_s, end_s - begin_s, queue());
   }
   write_down();
-  bus_.set_state_text(std::to_string(mapper_->integrated()) + " keyframes mapped, " +
-                      std::to_string(mapper_->waiting() + pending_.size()) + " wait for a pose" +
-                      (mapper_->level() ? "" : "; the grid waits for a level map"));
+  bus_.set_state_text(
+      std::to_string(mapper_->integrated()) + " keyframes mapped, " +
+      std::to_string(mapper_->waiting() + pending_.size()) + " wait for a pose" +
+      (left_out_ == 0 ? ""
+                      : ", " + std::to_string(left_out_) + " of known places left out to keep up") +
+      (mapper_->level() ? "" : "; the grid waits for a level map"));
+}
+
+// The raster first: the fused map waits for it.
+void DenseMapperProcess::publish_maps() {
+  for (const Tile& tile : mapper_->update_grid(finished_).grid) grid_out_.publish(tile);
+  const DenseTiles maps = mapper_->update_maps();
+  for (const Tile& tile : maps.octomap) octomap_out_.publish(tile);
+  for (const Tile& tile : maps.cloud) cloud_out_.publish(tile);
 }
 
 void DenseMapperProcess::publish_level(const LevelWish& wish) {

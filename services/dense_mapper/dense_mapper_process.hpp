@@ -21,6 +21,7 @@
 #include "libs/bus/reset_gate.hpp"
 #include "libs/bus/tile_channel.hpp"
 #include "services/dense_mapper/dense_mapper.hpp"
+#include "services/dense_mapper/pace.hpp"
 
 namespace fusion_slam {
 
@@ -38,7 +39,11 @@ class DenseMapperProcess {
   void reset();
   void take_image(const keyframe_image_t& message);
   void add_keyframe(const keyframe_image_t& message);
+  void map_or_leave_out(const keyframe_image_t& message);
+  void leave_out(std::int64_t id);
   void integrate();
+  void publish_maps();
+  std::size_t queue() const;  // messages that wait, live; else 0
   bool take_graph(const graph_t& message);
   void integrate_and_publish();
   void publish_level(const LevelWish& wish);
@@ -66,7 +71,9 @@ class DenseMapperProcess {
   std::map<std::int64_t, SE3> moved_;  // keyframes, by the parts of a GRAPH that have come
   bool complete_graph_ = false;        // has come: poses for an earlier process's images
   bool finished_ = false;              // after COMMAND finish each input is answered at once
-  bool begins_anew_ = false;           // after COMMAND reset, until the new graph's first keyframe
+  Pace pace_;
+  std::int64_t left_out_ = 0;  // images, because it was behind
+  bool begins_anew_ = false;   // after COMMAND reset, until the new graph's first keyframe
 
   // By the journal of an earlier process, until the mapper is made.
   std::optional<SavedMap> saved_;

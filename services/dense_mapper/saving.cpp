@@ -51,12 +51,13 @@ SavedBytes DenseMapper::take_changes() {
   const Changes changes = std::exchange(changes_, {});
   const std::set<CubeIndex> cubes = base_.take_changed_cubes();
   const std::set<TileKey> clouds = base_.take_changed_clouds();
-  if (!changes.values && changes.keyframes.empty() && changes.whole.empty() &&
-      changes.placed.empty() && cubes.empty() && clouds.empty())
+  if (!changes.values && changes.keyframes.empty() && changes.left_out.empty() &&
+      changes.whole.empty() && changes.placed.empty() && cubes.empty() && clouds.empty())
     return {};
   SavedMapWriter out;
   out.values(saved_values());
   for (const auto& [id, keyframe] : changes.keyframes) out.keyframe(id, keyframe);
+  for (const std::int64_t id : changes.left_out) out.integrated(id, id);
   for (const std::int64_t id : changes.whole) {
     const auto it = submaps_.find(id);
     if (it == submaps_.end())
