@@ -81,6 +81,14 @@ struct VisualOdometryConfig {
   int redundant_views = 3;       // of a landmark, by other keyframes
   double redundant_share = 0.9;  // of a keyframe's landmarks
 
+  // Long drives in the same rooms: of old keyframes that show the same, the oldest and the newest
+  // are enough. Younger ones are left alone: a place is seen a few times before it is known.
+  std::int64_t thin_age_us = 120'000'000;
+  double thin_m = 1.0;        // half of local_near_m: what is left still reaches
+  double thin_cosine = 0.87;  // 30 degrees
+  int thin_older = 2;
+  int thin_newer = 2;
+
   // Each switch off: an ablation. The LiDAR's part:
   bool use_surfaces = true;
   bool use_planar = true;  // the floor, when ROBOT_MODEL says planar

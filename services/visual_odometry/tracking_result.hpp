@@ -54,6 +54,7 @@ struct VisualOdometryCounts {
   int observations_refused = 0;  // by bundle adjustment
   int landmarks_culled = 0;
   int keyframes_culled = 0;
+  int keyframes_thinned = 0;  // old ones of places that were seen before and after
   int relocalisations = 0;
   int joins = 0;
   int carried_frames = 0;     // by surfaces and the speed

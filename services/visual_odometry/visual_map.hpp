@@ -41,6 +41,7 @@ struct SurfaceTie {
 
 struct MapKeyframe {
   std::int64_t id = 0;
+  std::int64_t utime_us = 0;
   int segment = 0;  // keyframes of different segments have no known motion between them
   SE3 T_odom_camera = SE3::Identity();
   std::shared_ptr<const FeatureSet> features;

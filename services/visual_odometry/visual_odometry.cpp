@@ -94,6 +94,7 @@ void VisualOdometry::reset() {
   local_.clear();
   places_ = {};
   revision_ = {};
+  thinning_ = {};
   open_.clear();
   surfaces_ = {};
   surfaces_of_keyframe_ = {};

@@ -21,6 +21,7 @@
 #include "services/visual_odometry/motion_model.hpp"
 #include "services/visual_odometry/place_index.hpp"
 #include "services/visual_odometry/pose_tracking.hpp"
+#include "services/visual_odometry/thinning.hpp"
 #include "services/visual_odometry/tracking_result.hpp"
 
 namespace fusion_slam {
@@ -109,6 +110,7 @@ class VisualOdometry {
   LocalMap local_;
   PlaceIndex places_;
   LocalMapping mapping_;
+  KeyframeThinning thinning_;
 
   SE3 T_odom_camera_ = SE3::Identity();  // last pose
   std::int64_t reference_ = 0;           // keyframe that poses hang on; 0: none

@@ -65,6 +65,7 @@ void VisualOdometry::add_keyframe(std::vector<SeenLandmark> seen, bool connected
 
   MapKeyframe in_map;
   in_map.id = keyframe.id;
+  in_map.utime_us = keyframe.utime_us;
   in_map.segment = segment_;
   in_map.T_odom_camera = T_odom_camera_;
   in_map.features = std::make_shared<const FeatureSet>(set);
@@ -89,6 +90,7 @@ void VisualOdometry::add_keyframe(std::vector<SeenLandmark> seen, bool connected
 void VisualOdometry::start_mapping() {
   mapped_ = newest_;
   if (n_segments_ > 1) join_segments();
+  counts_.keyframes_thinned += thinning_.thin(reference_, config_, &map_);
   renew_local_map();
   if (config_.bundle_keyframes > 0) mapping_.start(make_mapping_job(map_, newest_, config_));
 }

@@ -23,6 +23,7 @@ void VisualOdometry::resume(const std::vector<Keyframe>& keyframes, std::int64_t
     }
     MapKeyframe in_map;
     in_map.id = keyframe.id;
+    in_map.utime_us = keyframe.utime_us;
     in_map.segment = segment_;
     in_map.T_odom_camera = keyframe.T_odom_base * robot_.T_base_camera;
     in_map.previous = keyframe.previous_id;
