@@ -5,6 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "libs/camera/packed_depth.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -27,11 +29,17 @@ image_t make_image(std::int64_t utime_us, const cv::Mat& like, int bytes_per_pix
   return image;
 }
 
-images_t make_message(std::int64_t utime_us, Bytes jpeg, const cv::Mat& depth_mm, Bytes depth) {
+Bytes encode(const cv::Mat& depth_mm, DepthCoding coding) {
+  return coding == DepthCoding::kPacked ? encode_packed_depth(depth_mm) : encode_depth(depth_mm);
+}
+
+images_t make_message(std::int64_t utime_us, Bytes jpeg, const cv::Mat& depth_mm, Bytes depth,
+                      DepthCoding coding) {
   images_t message{};
   message.utime = utime_us;
   message.n_images = 2;
   message.image_types = {images_t::LEFT, images_t::DEPTH_MM_ZIPPED};
+  if (coding == DepthCoding::kPacked) message.image_types[1] = kDepthPacked;
   message.images.push_back(
       make_image(utime_us, depth_mm, 3, image_t::PIXEL_FORMAT_MJPEG, std::move(jpeg)));
   message.images.push_back(
@@ -66,20 +74,38 @@ std::optional<cv::Mat> raw_colour(const image_t& image, std::string* why) {
 
 }  // namespace
 
-images_t to_message(std::int64_t utime_us, const Bytes& colour_jpeg, const cv::Mat& depth_mm) {
-  return make_message(utime_us, colour_jpeg, depth_mm, encode_depth(depth_mm));
+images_t to_message(std::int64_t utime_us, const Bytes& colour_jpeg, const cv::Mat& depth_mm,
+                    DepthCoding coding) {
+  return make_message(utime_us, colour_jpeg, depth_mm, encode(depth_mm, coding), coding);
 }
 
-images_t to_message(const RgbdFrame& frame, int quality) {
+images_t to_message(const RgbdFrame& frame, int quality, DepthCoding coding) {
   if (frame.colour_bgr.type() != CV_8UC3 || frame.colour_bgr.size() != frame.depth_mm.size())
     throw std::invalid_argument("to_message: colour and depth do not belong together");
-  Bytes depth = encode_depth(frame.depth_mm);
+  Bytes depth = encode(frame.depth_mm, coding);
   Bytes jpeg;
   for (;; quality = std::max(kWorstQuality, quality - kQualityStep)) {
     jpeg = encode_jpeg(frame.colour_bgr, quality);
     if (jpeg.size() + depth.size() <= kMaxFrameBytes || quality <= kWorstQuality) break;
   }
-  return make_message(frame.utime_us, std::move(jpeg), frame.depth_mm, std::move(depth));
+  return make_message(frame.utime_us, std::move(jpeg), frame.depth_mm, std::move(depth), coding);
+}
+
+const image_t* depth_image(const images_t& message) {
+  constexpr std::int16_t kKinds[] = {images_t::DEPTH_MM_ZIPPED, kDepthPacked, images_t::DEPTH_MM};
+  for (const std::int16_t type : kKinds)
+    if (const image_t* image = find_image(message, type)) return image;
+  return nullptr;
+}
+
+std::optional<cv::Mat> decode_depth(const images_t& message, std::string* why) {
+  const image_t* image = depth_image(message);
+  if (image == nullptr) return *why = "there is no depth", std::nullopt;
+  if (image == find_image(message, images_t::DEPTH_MM_ZIPPED))
+    return decode_depth(image->data, image->width, image->height, why);
+  if (image == find_image(message, kDepthPacked))
+    return decode_packed_depth(image->data, image->width, image->height, why);
+  return depth_from_bytes(image->data, image->width, image->height, why);
 }
 
 std::optional<RgbdFrame> from_message(const images_t& message, std::string* why) {
@@ -92,18 +118,14 @@ std::optional<RgbdFrame> from_message(const images_t& message, std::string* why)
   RgbdFrame frame;
   frame.utime_us = message.utime;
   frame.colour_bgr = *bgr;
-  const image_t* zipped = find_image(message, images_t::DEPTH_MM_ZIPPED);
-  const image_t* raw = find_image(message, images_t::DEPTH_MM);
-  if (zipped == nullptr && raw == nullptr) {
+  const image_t* image = depth_image(message);
+  if (image == nullptr) {
     frame.depth_mm = cv::Mat::zeros(bgr->size(), CV_16UC1);
     return frame;
   }
-  const image_t& depth = zipped != nullptr ? *zipped : *raw;
-  if (depth.width != bgr->cols || depth.height != bgr->rows)
+  if (image->width != bgr->cols || image->height != bgr->rows)
     return *why = "depth and colour differ in size", std::nullopt;
-  const auto depth_mm = zipped != nullptr
-                            ? decode_depth(depth.data, depth.width, depth.height, why)
-                            : depth_from_bytes(depth.data, depth.width, depth.height, why);
+  const auto depth_mm = decode_depth(message, why);
   if (!depth_mm) return std::nullopt;
   frame.depth_mm = *depth_mm;
   return frame;

@@ -10,17 +10,30 @@
 
 namespace fusion_slam {
 
-// LEFT (MJPEG) and DEPTH_MM_ZIPPED. The JPEG's quality starts at `quality` and falls until both
-// images fit kMaxFrameBytes. Throws std::invalid_argument when the two images have not one size or
-// not their types.
-bot_core::images_t to_message(const RgbdFrame& frame, int quality = kJpegQuality);
+// How depth goes over the wire: zlib is bot_core's own DEPTH_MM_ZIPPED, which every program of a
+// lab reads; packed (libs/camera/packed_depth) takes half of the network, and only ours reads it.
+enum class DepthCoding { kZlib, kPacked };
+
+// Its image_type, which bot_core leaves free: programs that don't know it find no depth.
+inline constexpr std::int16_t kDepthPacked = 1001;
+
+// LEFT (MJPEG) and depth. The JPEG's quality starts at `quality` and falls until both images fit
+// kMaxFrameBytes. Throws std::invalid_argument when the two images have not one size or not their
+// types.
+bot_core::images_t to_message(const RgbdFrame& frame, int quality = kJpegQuality,
+                              DepthCoding coding = DepthCoding::kZlib);
 // The same with colour that is a JPEG already, sent as it is.
 bot_core::images_t to_message(std::int64_t utime_us, const Bytes& colour_jpeg,
-                              const cv::Mat& depth_mm);
+                              const cv::Mat& depth_mm, DepthCoding coding = DepthCoding::kZlib);
 
-// Colour from LEFT (MJPEG, RGB or GRAY), depth from DEPTH_MM_ZIPPED or DEPTH_MM; depth without a
-// usable image is all 0 (none). Nothing, with a reason in `why`, when there is no colour, sizes
-// contradict each other or bytes do not decode.
+// The message's depth, however it is coded; nullptr: there is none.
+const bot_core::image_t* depth_image(const bot_core::images_t& message);
+// CV_16UC1, mm. Nothing, with a reason in `why`: there is none, or its bytes do not decode.
+std::optional<cv::Mat> decode_depth(const bot_core::images_t& message, std::string* why);
+
+// Colour from LEFT (MJPEG, RGB or GRAY), depth from DEPTH_MM_ZIPPED, packed or DEPTH_MM; depth
+// without a usable image is all 0 (none). Nothing, with a reason in `why`, when there is no colour,
+// sizes contradict each other or bytes do not decode.
 std::optional<RgbdFrame> from_message(const bot_core::images_t& message, std::string* why);
 
 }  // namespace fusion_slam

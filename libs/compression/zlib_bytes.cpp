@@ -69,4 +69,8 @@ bool zlib_decompress_into(const std::uint8_t* data, std::size_t size_bytes, std:
                                     nullptr) == LIBDEFLATE_SUCCESS;
 }
 
+std::uint32_t crc32_of(const std::uint8_t* data, std::size_t size_bytes) {
+  return libdeflate_crc32(0, data, size_bytes);
+}
+
 }  // namespace fusion_slam

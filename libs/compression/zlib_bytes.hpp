@@ -23,4 +23,7 @@ std::optional<std::vector<std::uint8_t>> zlib_decompress(const std::uint8_t* dat
 bool zlib_decompress_into(const std::uint8_t* data, std::size_t size_bytes, std::uint8_t* raw,
                           std::size_t raw_size_bytes);
 
+// CRC-32 as in RFC 1952.
+std::uint32_t crc32_of(const std::uint8_t* data, std::size_t size_bytes);
+
 }  // namespace fusion_slam

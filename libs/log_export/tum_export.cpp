@@ -125,8 +125,8 @@ class TumWriter {
       return;
     }
     const std::int64_t colour_us = stamp_of(*message, images_t::LEFT, message->utime);
-    const std::int64_t depth_us = stamp_of(*message, images_t::DEPTH_MM_ZIPPED,
-                                           stamp_of(*message, images_t::DEPTH_MM, colour_us));
+    const bot_core::image_t* image = depth_image(*message);
+    const std::int64_t depth_us = image != nullptr && image->utime > 0 ? image->utime : colour_us;
     if (rgb_.count(colour_us) != 0 || depth_.count(depth_us) != 0) {
       ++summary.skipped["CAMERA: two frames of one time"];
       return;

@@ -8,7 +8,7 @@
 #include "bot_core/planar_lidar_t.hpp"
 #include "bot_core/pose_t.hpp"
 #include "libs/calibration/depth_rays.hpp"
-#include "libs/camera/image_codec.hpp"
+#include "libs/camera_messages/images.hpp"
 #include "libs/eventlog/reader.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
@@ -51,12 +51,6 @@ bool read_models(const std::filesystem::path& log, CalibrationDrive* drive) {
   if (!robot)
     throw std::runtime_error(log.string() + " has no ROBOT_MODEL: record it with the drive");
   return camera;
-}
-
-const bot_core::image_t* depth_of(const bot_core::images_t& message) {
-  for (std::size_t i = 0; i < message.images.size() && i < message.image_types.size(); ++i)
-    if (message.image_types[i] == bot_core::images_t::DEPTH_MM_ZIPPED) return &message.images[i];
-  return nullptr;
 }
 
 // A LiDAR mounted upside down measures the other way round: as if it stood upright.
@@ -113,10 +107,10 @@ CalibrationDrive read_drive(const std::filesystem::path& log,
       if (pose) drive.odometry.add(message->utime, to_se2(*pose));
     } else if (event.channel == "CAMERA" && camera && drive.frames.size() < kMostFrames) {
       const auto message = decode<bot_core::images_t>(event);
-      const bot_core::image_t* image = message ? depth_of(*message) : nullptr;
+      const bot_core::image_t* image = message ? depth_image(*message) : nullptr;
       if (image == nullptr || message->utime < next_frame_us) continue;
       next_frame_us = message->utime + kBetweenFrames_us;
-      const auto depth = decode_depth(image->data, image->width, image->height, &why);
+      const auto depth = decode_depth(*message, &why);
       if (depth) drive.frames.push_back(sampler.sample(image->utime, *depth));
     }
   }

@@ -1,0 +1,39 @@
+#include "libs/camera/depth_guess.hpp"
+
+namespace fusion_slam {
+
+DepthGuess::DepthGuess(int width_px, int highest_rank)
+    : width_(width_px),
+      highest_(highest_rank),
+      row_(static_cast<std::size_t>(width_px + 2 * kMargin), 1),
+      above_(row_),
+      above_that_(row_),
+      missing_(static_cast<std::size_t>(width_px + 2), 1),
+      known_(static_cast<std::size_t>(width_px)) {}
+
+void DepthGuess::begin_row() {
+  above_that_.swap(above_);
+  above_.swap(row_);
+  for (int i = 0; i < kMargin; ++i) {
+    above_[static_cast<std::size_t>(i)] = above_[kMargin];
+    above_[static_cast<std::size_t>(kMargin + width_ + i)] =
+        above_[static_cast<std::size_t>(kMargin + width_ - 1)];
+    row_[static_cast<std::size_t>(i)] = above_[kMargin];
+  }
+  for (int u = 0; u < width_; ++u) {
+    const int* above = above_.data() + kMargin + u;
+    const int corner = above[-1], up = above[0], right = above[1], far = above[2];
+    const int higher = above_that_[static_cast<std::size_t>(kMargin + u)];
+    const std::uint8_t* missing = missing_.data() + 1 + u;
+    Above& known = known_[static_cast<std::size_t>(u)];
+    known.sum = -2 * corner + 10 * up + 12 * right + 16 * far - 15 * higher;
+    known.unrest = std::abs(corner - up) + std::abs(up - right) + std::abs(up - higher);
+    known.missing = missing[0] << 1 | missing[-1] << 2 | missing[1] << 3;
+    known.level =
+        std::max({corner, up, right, far, higher}) - std::min({corner, up, right, far, higher}) <=
+        kStep;
+  }
+  left_missing_ = 1;
+}
+
+}  // namespace fusion_slam

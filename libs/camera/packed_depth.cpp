@@ -1,0 +1,267 @@
+#include "libs/camera/packed_depth.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include "libs/camera/depth_guess.hpp"
+#include "libs/compression/rans.hpp"
+#include "libs/compression/zlib_bytes.hpp"
+
+namespace fusion_slam {
+namespace {
+
+constexpr std::uint8_t kVersion = 1;
+constexpr std::size_t kHeaderBytes = 5;  // version, CRC-32
+// Symbols: 0 ... 60 are -30 ... 30 beside the guess, then "no depth" and "further off", which is
+// followed by the rank itself.
+constexpr int kFurthest = 30;
+constexpr int kNone = 2 * kFurthest + 1;
+constexpr int kFar = kNone + 1;
+constexpr int kSymbols = kFar + 1;
+constexpr int kLowBits = 8;  // of a rank, which goes in two pieces
+
+int bits_of(int highest_rank) {
+  int bits = 1;
+  while (highest_rank >> bits != 0) ++bits;
+  return bits;
+}
+
+void put_number(std::uint32_t number, Bytes* out) {  // seven bits a byte, low first
+  for (; number >= 0x80; number >>= 7) out->push_back(static_cast<std::uint8_t>(number | 0x80));
+  out->push_back(static_cast<std::uint8_t>(number));
+}
+
+class Source {
+ public:
+  Source(const Bytes& bytes, std::size_t at) : bytes_(bytes), at_(at) {}
+  std::uint32_t byte() { return at_ < bytes_.size() ? bytes_[at_++] : (good = false, 0); }
+  std::uint32_t number() {
+    std::uint32_t value = 0;
+    for (int shift = 0; shift < 28; shift += 7) {
+      const std::uint32_t next = byte();
+      value |= (next & 0x7F) << shift;
+      if (next < 0x80) return value;
+    }
+    return good = false, 0;
+  }
+  const std::uint8_t* rest() const { return bytes_.data() + at_; }
+  std::size_t rest_bytes() const { return bytes_.size() - at_; }
+
+  bool good = true;
+
+ private:
+  const Bytes& bytes_;
+  std::size_t at_;
+};
+
+// The depths that occur, ascending; [0] is 0, no depth.
+std::vector<std::uint16_t> values_of(const cv::Mat& depth_mm) {
+  std::vector<std::uint8_t> occurs(65536, 0);
+  for (int v = 0; v < depth_mm.rows; ++v) {
+    const auto* row = depth_mm.ptr<std::uint16_t>(v);
+    for (int u = 0; u < depth_mm.cols; ++u) occurs[row[u]] = 1;
+  }
+  std::vector<std::uint16_t> values{0};
+  for (std::size_t d = 1; d < occurs.size(); ++d)
+    if (occurs[d] != 0) values.push_back(static_cast<std::uint16_t>(d));
+  return values;
+}
+
+struct Coded {
+  std::uint8_t context, symbol;
+};
+
+struct Pixels {
+  std::vector<Coded> coded;
+  std::vector<std::uint16_t> far;  // ranks of those that are further off
+};
+
+Pixels look_at(const cv::Mat& depth_mm, const std::vector<std::uint16_t>& values) {
+  std::vector<std::uint16_t> rank_of(65536, 0);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    rank_of[values[i]] = static_cast<std::uint16_t>(i);
+  Pixels pixels;
+  pixels.coded.reserve(depth_mm.total());
+  DepthGuess guesses(depth_mm.cols, static_cast<int>(values.size()) - 1);
+  for (int v = 0; v < depth_mm.rows; ++v) {
+    const auto* row = depth_mm.ptr<std::uint16_t>(v);
+    guesses.begin_row();
+    for (int u = 0; u < depth_mm.cols; ++u) {
+      const int rank = rank_of[row[u]];
+      const DepthGuess::Guess guess = guesses.at(u);
+      int symbol = rank == 0 ? kNone : rank - guess.rank + kFurthest;
+      if (rank != 0 && (symbol < 0 || symbol >= kNone)) {
+        symbol = kFar;
+        pixels.far.push_back(static_cast<std::uint16_t>(rank));
+      }
+      pixels.coded.push_back(
+          {static_cast<std::uint8_t>(guess.context), static_cast<std::uint8_t>(symbol)});
+      guesses.put(u, rank, guess);
+    }
+  }
+  return pixels;
+}
+
+struct Range {
+  std::uint16_t start = 0, frequency = 0;
+};
+using Tables = std::array<std::array<Range, kSymbols>, kDepthContexts>;
+
+// Writes them, too: of each context the first symbol, how many from there on, their frequencies.
+Tables tables_of(const Pixels& pixels, Bytes* out) {
+  std::vector<std::vector<std::uint32_t>> counts(kDepthContexts,
+                                                 std::vector<std::uint32_t>(kSymbols, 0));
+  for (const Coded& pixel : pixels.coded) ++counts[pixel.context][pixel.symbol];
+  Tables tables{};
+  for (std::size_t c = 0; c < kDepthContexts; ++c) {
+    const std::vector<std::uint16_t> frequencies = rans_frequencies(counts[c]);
+    int first = 0, last = kSymbols - 1;
+    while (first < kSymbols && frequencies[static_cast<std::size_t>(first)] == 0) ++first;
+    while (last > first && frequencies[static_cast<std::size_t>(last)] == 0) --last;
+    out->push_back(static_cast<std::uint8_t>(first));
+    if (first == kSymbols) continue;
+    out->push_back(static_cast<std::uint8_t>(last - first + 1));
+    std::uint16_t start = 0;
+    for (auto s = static_cast<std::size_t>(first); s <= static_cast<std::size_t>(last); ++s) {
+      put_number(frequencies[s], out);
+      tables[c][s] = {start, frequencies[s]};
+      start = static_cast<std::uint16_t>(start + frequencies[s]);
+    }
+  }
+  return tables;
+}
+
+// What each of [0, kRansOne) means in a context; 0: the context does not occur.
+struct Meaning {
+  std::uint16_t within = 0, frequency = 0;
+  std::uint8_t symbol = 0;
+};
+
+bool read_tables(Source* source, std::vector<Meaning>* meanings) {
+  meanings->assign(kDepthContexts * std::size_t{kRansOne}, Meaning{});
+  for (std::size_t c = 0; c < kDepthContexts; ++c) {
+    const std::uint32_t first = source->byte();
+    if (first == kSymbols) continue;
+    const std::uint32_t n = source->byte();
+    if (!source->good || first + n > kSymbols) return false;
+    std::uint32_t start = 0;
+    for (std::uint32_t s = first; s < first + n; ++s) {
+      const std::uint32_t frequency = source->number();
+      if (!source->good || frequency > kRansOne - start) return false;
+      for (std::uint32_t i = 0; i < frequency; ++i)
+        (*meanings)[c * kRansOne + start + i] = {static_cast<std::uint16_t>(i),
+                                                 static_cast<std::uint16_t>(frequency),
+                                                 static_cast<std::uint8_t>(s)};
+      start += frequency;
+    }
+    if (start != kRansOne) return false;
+  }
+  return true;
+}
+
+bool read_values(Source* source, std::vector<std::uint16_t>* values) {
+  const std::uint32_t n = source->number();
+  if (!source->good || n > 65535) return false;
+  std::uint32_t value = 0;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t step = source->number();
+    value += step;
+    if (!source->good || step == 0 || value > 65535) return false;
+    values->push_back(static_cast<std::uint16_t>(value));
+  }
+  return true;
+}
+
+bool read_pixels(RansDecoder* stream, const std::vector<Meaning>& meanings,
+                 const std::vector<std::uint16_t>& values, cv::Mat* depth_mm) {
+  const int highest = static_cast<int>(values.size()) - 1;
+  const int bits = bits_of(highest), low_bits = std::min(bits, kLowBits);
+  DepthGuess guesses(depth_mm->cols, highest);
+  for (int v = 0; v < depth_mm->rows; ++v) {
+    auto* row = depth_mm->ptr<std::uint16_t>(v);
+    guesses.begin_row();
+    for (int u = 0; u < depth_mm->cols; ++u) {
+      const DepthGuess::Guess guess = guesses.at(u);
+      const Meaning meaning =
+          meanings[static_cast<std::size_t>(guess.context) * kRansOne + stream->peek()];
+      if (meaning.frequency == 0) return false;
+      stream->take(meaning.within, meaning.frequency);
+      int rank = 0;
+      if (meaning.symbol < kNone) {
+        rank = guess.rank + meaning.symbol - kFurthest;
+      } else if (meaning.symbol == kFar) {
+        rank = static_cast<int>(stream->take_bits(low_bits));
+        if (bits > low_bits)
+          rank |= static_cast<int>(stream->take_bits(bits - low_bits) << low_bits);
+      }
+      if (rank < (meaning.symbol == kNone ? 0 : 1) || rank > highest) return false;
+      row[u] = values[static_cast<std::size_t>(rank)];
+      guesses.put(u, rank, guess);
+    }
+  }
+  return stream->at_end();
+}
+
+}  // namespace
+
+Bytes encode_packed_depth(const cv::Mat& depth_mm) {
+  if (depth_mm.type() != CV_16UC1 || depth_mm.empty() || depth_mm.cols > kMaxImageSide ||
+      depth_mm.rows > kMaxImageSide)
+    throw std::invalid_argument("encode_packed_depth: not a depth image");
+  const std::vector<std::uint16_t> values = values_of(depth_mm);
+  const Pixels pixels = look_at(depth_mm, values);
+  Bytes out(kHeaderBytes, 0);
+  put_number(static_cast<std::uint32_t>(values.size() - 1), &out);
+  for (std::size_t i = 1; i < values.size(); ++i)
+    put_number(static_cast<std::uint32_t>(values[i] - values[i - 1]), &out);
+  const Tables tables = tables_of(pixels, &out);
+
+  const int bits = bits_of(static_cast<int>(values.size()) - 1),
+            low_bits = std::min(bits, kLowBits);
+  RansEncoder stream;  // last pixel first
+  auto far = pixels.far.rbegin();
+  for (auto pixel = pixels.coded.rbegin(); pixel != pixels.coded.rend(); ++pixel) {
+    if (pixel->symbol == kFar) {
+      if (bits > low_bits) stream.put_bits(*far >> low_bits, bits - low_bits);
+      stream.put_bits(*far++ & ((1U << low_bits) - 1), low_bits);
+    }
+    const Range range = tables[pixel->context][pixel->symbol];
+    stream.put(range.start, range.frequency);
+  }
+  stream.finish(&out);
+
+  const std::uint32_t crc = crc32_of(out.data() + kHeaderBytes, out.size() - kHeaderBytes);
+  out[0] = kVersion;
+  for (std::size_t i = 0; i < 4; ++i) out[1 + i] = static_cast<std::uint8_t>(crc >> (8 * i));
+  return out;
+}
+
+std::optional<cv::Mat> decode_packed_depth(const Bytes& bytes, int width_px, int height_px,
+                                           std::string* why) {
+  if (width_px <= 0 || height_px <= 0 || width_px > kMaxImageSide || height_px > kMaxImageSide)
+    return *why = "packed depth: sides must be 1 to " + std::to_string(kMaxImageSide) + " px",
+           std::nullopt;
+  if (bytes.size() < kHeaderBytes) return *why = "packed depth is cut short", std::nullopt;
+  if (bytes[0] != kVersion)
+    return *why = "packed depth is of version " + std::to_string(bytes[0]) + ", known is " +
+                  std::to_string(kVersion) + ": a newer program made it",
+           std::nullopt;
+  std::uint32_t crc = 0;
+  for (std::size_t i = 0; i < 4; ++i) crc |= static_cast<std::uint32_t>(bytes[1 + i]) << (8 * i);
+  Source source(bytes, kHeaderBytes);
+  std::vector<std::uint16_t> values{0};
+  std::vector<Meaning> meanings;
+  cv::Mat depth_mm;
+  bool good = crc == crc32_of(source.rest(), source.rest_bytes()) &&
+              read_values(&source, &values) && read_tables(&source, &meanings);
+  if (good) {
+    depth_mm.create(height_px, width_px, CV_16UC1);
+    RansDecoder stream(source.rest(), source.rest_bytes());
+    good = read_pixels(&stream, meanings, values, &depth_mm);
+  }
+  if (!good) return *why = "packed depth is damaged or of another size", std::nullopt;
+  return depth_mm;
+}
+
+}  // namespace fusion_slam
