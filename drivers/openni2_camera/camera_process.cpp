@@ -20,13 +20,14 @@ std::int64_t wall_us() {
 
 }  // namespace
 
-bot_core::images_t to_message(const FramePair& pair, const CameraSetup& setup, int jpeg_quality) {
+bot_core::images_t to_message(const FramePair& pair, const CameraSetup& setup, int jpeg_quality,
+                              ImageCoding coding) {
   RgbdFrame frame;
   frame.utime_us = pair.colour.utime_us;
   frame.colour_bgr = pair.colour.image;
   frame.depth_mm =
       setup.registration ? register_depth(pair.depth.image, *setup.registration) : pair.depth.image;
-  bot_core::images_t message = to_message(frame, jpeg_quality);
+  bot_core::images_t message = to_message(frame, jpeg_quality, coding);
   message.images[1].utime = pair.depth.utime_us;
   return message;
 }
@@ -35,6 +36,7 @@ CameraProcess::CameraProcess(Bus& bus, RobotModel robot, CameraDriverConfig conf
     : bus_(bus),
       robot_(std::move(robot)),
       jpeg_quality_(config.connection.jpeg_quality),
+      coding_(config.connection.images == "packed" ? ImageCoding::kPacked : ImageCoding::kPlain),
       driver_(std::move(config),
               {[this](const CameraSetup& setup) {
                  const std::lock_guard<std::mutex> lock(mutex_);
@@ -82,7 +84,7 @@ void CameraProcess::read_device() {
 void CameraProcess::publish() {
   try {
     while (const auto work = work_.take())
-      bus_.publish("CAMERA", to_message(work->pair, work->setup, jpeg_quality_));
+      bus_.publish("CAMERA", to_message(work->pair, work->setup, jpeg_quality_, coding_));
   } catch (...) {
     keep_failure();
   }

@@ -16,13 +16,15 @@
 #include "drivers/openni2_camera/latest.hpp"
 #include "fusion_slam/command_t.hpp"
 #include "libs/bus/bus.hpp"
+#include "libs/camera_messages/images.hpp"
 #include "libs/robot/robot_model.hpp"
 
 namespace fusion_slam {
 
 // Registers (when `setup` says so), encodes within the message budget; each image keeps its own
 // stamp, the message has colour's. Pure.
-bot_core::images_t to_message(const FramePair& pair, const CameraSetup& setup, int jpeg_quality);
+bot_core::images_t to_message(const FramePair& pair, const CameraSetup& setup, int jpeg_quality,
+                              ImageCoding coding = ImageCoding::kPlain);
 
 class CameraProcess {
  public:
@@ -49,6 +51,7 @@ class CameraProcess {
   Bus& bus_;
   RobotModel robot_;
   int jpeg_quality_;
+  ImageCoding coding_;
   std::mutex mutex_;  // guards what follows
   std::optional<CameraSetup> setup_;
   std::string well_;            // empty: no frames now

@@ -55,6 +55,10 @@ void add_options(CLI::App& app, CameraOptions* options) {
                  "focal lengths from the camera's file, or what the device says")
       ->check(CLI::IsMember({"file", "device"}));
   app.add_option("--auto-exposure", options->auto_exposure)->check(CLI::IsMember({"on", "off"}));
+  app.add_option("--images", options->images,
+                 "plain, or packed: half of the network; only Fusion-SLAM reads such depth")
+      ->check(CLI::IsMember({"plain", "packed"}));
+  app.add_option("--jpeg-quality", options->jpeg_quality)->check(CLI::Range(30, 100));
   app.add_flag_callback(
       "--list",
       [] {
@@ -90,6 +94,8 @@ CameraProcessSetup load_setup(const CameraOptions& options) {
   override_with(options.colour, &connection.colour);
   override_with(options.registration, &connection.registration);
   override_with(options.intrinsics, &connection.intrinsics);
+  override_with(options.images, &connection.images);
+  if (options.jpeg_quality > 0) connection.jpeg_quality = options.jpeg_quality;
   if (!options.auto_exposure.empty()) connection.auto_exposure = options.auto_exposure == "on";
   return setup;
 }

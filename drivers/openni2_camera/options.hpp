@@ -19,7 +19,8 @@ struct CameraOptions {
   std::string file;         // .oni
   bool repeat = false;
   // Empty: as the camera's file says.
-  std::string uri, colour, registration, intrinsics, auto_exposure;
+  std::string uri, colour, registration, intrinsics, auto_exposure, images;
+  int jpeg_quality = 0;  // 0: as the camera's file says
 };
 
 // Adds the options, and --list, which prints the OpenNI2 devices of this machine and ends.

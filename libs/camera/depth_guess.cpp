@@ -1,5 +1,7 @@
 #include "libs/camera/depth_guess.hpp"
 
+#include <cstddef>
+
 namespace fusion_slam {
 
 DepthGuess::DepthGuess(int width_px, int highest_rank)
@@ -11,14 +13,13 @@ DepthGuess::DepthGuess(int width_px, int highest_rank)
       missing_(static_cast<std::size_t>(width_px + 2), 1),
       known_(static_cast<std::size_t>(width_px)) {}
 
-void DepthGuess::begin_row() {
+DepthGuess::Row DepthGuess::begin_row() {
   above_that_.swap(above_);
   above_.swap(row_);
   for (int i = 0; i < kMargin; ++i) {
     above_[static_cast<std::size_t>(i)] = above_[kMargin];
     above_[static_cast<std::size_t>(kMargin + width_ + i)] =
         above_[static_cast<std::size_t>(kMargin + width_ - 1)];
-    row_[static_cast<std::size_t>(i)] = above_[kMargin];
   }
   for (int u = 0; u < width_; ++u) {
     const int* above = above_.data() + kMargin + u;
@@ -33,7 +34,15 @@ void DepthGuess::begin_row() {
         std::max({corner, up, right, far, higher}) - std::min({corner, up, right, far, higher}) <=
         kStep;
   }
-  left_missing_ = 1;
+  Row row;
+  row.left_ = row.left2_ = row.left3_ = above_[kMargin];
+  row.left_missing_ = 1;
+  row.highest_ = highest_;
+  row.above_ = above_.data() + kMargin;
+  row.known_ = known_.data();
+  row.here_ = row_.data() + kMargin;
+  row.missing_ = missing_.data() + 1;
+  return row;
 }
 
 }  // namespace fusion_slam

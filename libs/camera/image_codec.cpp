@@ -20,9 +20,11 @@ bool size_ok(int width_px, int height_px, std::string* why) {
 
 }  // namespace
 
-Bytes encode_jpeg(const cv::Mat& bgr, int quality) {
+Bytes encode_jpeg(const cv::Mat& bgr, int quality, bool own_tables) {
   Bytes bytes;
-  if (!cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality}))
+  if (!cv::imencode(
+          ".jpg", bgr, bytes,
+          {cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_JPEG_OPTIMIZE, own_tables ? 1 : 0}))
     throw std::invalid_argument("encode_jpeg: OpenCV cannot encode this image");
   return bytes;
 }

@@ -19,7 +19,8 @@ inline constexpr int kJpegQuality = 90;
 inline constexpr std::size_t kMaxFrameBytes = 400'000;
 inline constexpr int kMaxImageSide = 8192;
 
-Bytes encode_jpeg(const cv::Mat& bgr, int quality = kJpegQuality);
+// own_tables: 2 to 7 % fewer bytes for the same pixels, in more than twice the time.
+Bytes encode_jpeg(const cv::Mat& bgr, int quality = kJpegQuality, bool own_tables = false);
 // CV_8UC3 of exactly this size, or nothing with a reason.
 std::optional<cv::Mat> decode_jpeg(const Bytes& bytes, int width_px, int height_px,
                                    std::string* why);

@@ -86,10 +86,10 @@ Pixels look_at(const cv::Mat& depth_mm, const std::vector<std::uint16_t>& values
   DepthGuess guesses(depth_mm.cols, static_cast<int>(values.size()) - 1);
   for (int v = 0; v < depth_mm.rows; ++v) {
     const auto* row = depth_mm.ptr<std::uint16_t>(v);
-    guesses.begin_row();
+    DepthGuess::Row guesses_here = guesses.begin_row();
     for (int u = 0; u < depth_mm.cols; ++u) {
       const int rank = rank_of[row[u]];
-      const DepthGuess::Guess guess = guesses.at(u);
+      const DepthGuess::Guess guess = guesses_here.guess();
       int symbol = rank == 0 ? kNone : rank - guess.rank + kFurthest;
       if (rank != 0 && (symbol < 0 || symbol >= kNone)) {
         symbol = kFar;
@@ -97,7 +97,7 @@ Pixels look_at(const cv::Mat& depth_mm, const std::vector<std::uint16_t>& values
       }
       pixels.coded.push_back(
           {static_cast<std::uint8_t>(guess.context), static_cast<std::uint8_t>(symbol)});
-      guesses.put(u, rank, guess);
+      guesses_here.put(rank, guess);
     }
   }
   return pixels;
@@ -132,14 +132,14 @@ Tables tables_of(const Pixels& pixels, Bytes* out) {
   return tables;
 }
 
-// What each of [0, kRansOne) means in a context; 0: the context does not occur.
-struct Meaning {
-  std::uint16_t within = 0, frequency = 0;
-  std::uint8_t symbol = 0;
+// The same for reading: the symbol that each of [0, kRansOne) belongs to in a context, and its
+// place. A context that does not occur has only ranges of frequency 0.
+struct ReadTables {
+  std::vector<std::uint8_t> symbols = std::vector<std::uint8_t>(kDepthContexts * kRansOne, 0);
+  Tables ranges{};
 };
 
-bool read_tables(Source* source, std::vector<Meaning>* meanings) {
-  meanings->assign(kDepthContexts * std::size_t{kRansOne}, Meaning{});
+bool read_tables(Source* source, ReadTables* tables) {
   for (std::size_t c = 0; c < kDepthContexts; ++c) {
     const std::uint32_t first = source->byte();
     if (first == kSymbols) continue;
@@ -149,10 +149,10 @@ bool read_tables(Source* source, std::vector<Meaning>* meanings) {
     for (std::uint32_t s = first; s < first + n; ++s) {
       const std::uint32_t frequency = source->number();
       if (!source->good || frequency > kRansOne - start) return false;
-      for (std::uint32_t i = 0; i < frequency; ++i)
-        (*meanings)[c * kRansOne + start + i] = {static_cast<std::uint16_t>(i),
-                                                 static_cast<std::uint16_t>(frequency),
-                                                 static_cast<std::uint8_t>(s)};
+      tables->ranges[c][s] = {static_cast<std::uint16_t>(start),
+                              static_cast<std::uint16_t>(frequency)};
+      std::fill_n(tables->symbols.begin() + static_cast<std::ptrdiff_t>(c * kRansOne + start),
+                  frequency, static_cast<std::uint8_t>(s));
       start += frequency;
     }
     if (start != kRansOne) return false;
@@ -173,34 +173,36 @@ bool read_values(Source* source, std::vector<std::uint16_t>* values) {
   return true;
 }
 
-bool read_pixels(RansDecoder* stream, const std::vector<Meaning>& meanings,
+bool read_pixels(RansDecoder stream, const ReadTables& tables,
                  const std::vector<std::uint16_t>& values, cv::Mat* depth_mm) {
   const int highest = static_cast<int>(values.size()) - 1;
   const int bits = bits_of(highest), low_bits = std::min(bits, kLowBits);
   DepthGuess guesses(depth_mm->cols, highest);
   for (int v = 0; v < depth_mm->rows; ++v) {
     auto* row = depth_mm->ptr<std::uint16_t>(v);
-    guesses.begin_row();
+    DepthGuess::Row guesses_here = guesses.begin_row();
     for (int u = 0; u < depth_mm->cols; ++u) {
-      const DepthGuess::Guess guess = guesses.at(u);
-      const Meaning meaning =
-          meanings[static_cast<std::size_t>(guess.context) * kRansOne + stream->peek()];
-      if (meaning.frequency == 0) return false;
-      stream->take(meaning.within, meaning.frequency);
-      int rank = 0;
-      if (meaning.symbol < kNone) {
-        rank = guess.rank + meaning.symbol - kFurthest;
-      } else if (meaning.symbol == kFar) {
-        rank = static_cast<int>(stream->take_bits(low_bits));
-        if (bits > low_bits)
-          rank |= static_cast<int>(stream->take_bits(bits - low_bits) << low_bits);
+      const DepthGuess::Guess guess = guesses_here.guess();
+      const auto context = static_cast<std::size_t>(guess.context);
+      const int symbol = tables.symbols[context * kRansOne + stream.peek()];
+      const Range range = tables.ranges[context][static_cast<std::size_t>(symbol)];
+      if (range.frequency == 0) return false;
+      stream.take(stream.peek() - range.start, range.frequency);
+      int rank = guess.rank + symbol - kFurthest;
+      if (symbol >= kNone) {
+        rank = 0;
+        if (symbol == kFar) {
+          rank = static_cast<int>(stream.take_bits(low_bits));
+          if (bits > low_bits)
+            rank |= static_cast<int>(stream.take_bits(bits - low_bits) << low_bits);
+        }
       }
-      if (rank < (meaning.symbol == kNone ? 0 : 1) || rank > highest) return false;
+      if (rank < (symbol == kNone ? 0 : 1) || rank > highest) return false;
       row[u] = values[static_cast<std::size_t>(rank)];
-      guesses.put(u, rank, guess);
+      guesses_here.put(rank, guess);
     }
   }
-  return stream->at_end();
+  return stream.at_end();
 }
 
 }  // namespace
@@ -251,14 +253,13 @@ std::optional<cv::Mat> decode_packed_depth(const Bytes& bytes, int width_px, int
   for (std::size_t i = 0; i < 4; ++i) crc |= static_cast<std::uint32_t>(bytes[1 + i]) << (8 * i);
   Source source(bytes, kHeaderBytes);
   std::vector<std::uint16_t> values{0};
-  std::vector<Meaning> meanings;
+  ReadTables tables;
   cv::Mat depth_mm;
   bool good = crc == crc32_of(source.rest(), source.rest_bytes()) &&
-              read_values(&source, &values) && read_tables(&source, &meanings);
+              read_values(&source, &values) && read_tables(&source, &tables);
   if (good) {
     depth_mm.create(height_px, width_px, CV_16UC1);
-    RansDecoder stream(source.rest(), source.rest_bytes());
-    good = read_pixels(&stream, meanings, values, &depth_mm);
+    good = read_pixels(RansDecoder(source.rest(), source.rest_bytes()), tables, values, &depth_mm);
   }
   if (!good) return *why = "packed depth is damaged or of another size", std::nullopt;
   return depth_mm;

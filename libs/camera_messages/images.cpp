@@ -29,17 +29,17 @@ image_t make_image(std::int64_t utime_us, const cv::Mat& like, int bytes_per_pix
   return image;
 }
 
-Bytes encode(const cv::Mat& depth_mm, DepthCoding coding) {
-  return coding == DepthCoding::kPacked ? encode_packed_depth(depth_mm) : encode_depth(depth_mm);
+Bytes encode(const cv::Mat& depth_mm, ImageCoding coding) {
+  return coding == ImageCoding::kPacked ? encode_packed_depth(depth_mm) : encode_depth(depth_mm);
 }
 
 images_t make_message(std::int64_t utime_us, Bytes jpeg, const cv::Mat& depth_mm, Bytes depth,
-                      DepthCoding coding) {
+                      ImageCoding coding) {
   images_t message{};
   message.utime = utime_us;
   message.n_images = 2;
   message.image_types = {images_t::LEFT, images_t::DEPTH_MM_ZIPPED};
-  if (coding == DepthCoding::kPacked) message.image_types[1] = kDepthPacked;
+  if (coding == ImageCoding::kPacked) message.image_types[1] = kDepthPacked;
   message.images.push_back(
       make_image(utime_us, depth_mm, 3, image_t::PIXEL_FORMAT_MJPEG, std::move(jpeg)));
   message.images.push_back(
@@ -75,17 +75,17 @@ std::optional<cv::Mat> raw_colour(const image_t& image, std::string* why) {
 }  // namespace
 
 images_t to_message(std::int64_t utime_us, const Bytes& colour_jpeg, const cv::Mat& depth_mm,
-                    DepthCoding coding) {
+                    ImageCoding coding) {
   return make_message(utime_us, colour_jpeg, depth_mm, encode(depth_mm, coding), coding);
 }
 
-images_t to_message(const RgbdFrame& frame, int quality, DepthCoding coding) {
+images_t to_message(const RgbdFrame& frame, int quality, ImageCoding coding) {
   if (frame.colour_bgr.type() != CV_8UC3 || frame.colour_bgr.size() != frame.depth_mm.size())
     throw std::invalid_argument("to_message: colour and depth do not belong together");
   Bytes depth = encode(frame.depth_mm, coding);
   Bytes jpeg;
   for (;; quality = std::max(kWorstQuality, quality - kQualityStep)) {
-    jpeg = encode_jpeg(frame.colour_bgr, quality);
+    jpeg = encode_jpeg(frame.colour_bgr, quality, coding == ImageCoding::kPacked);
     if (jpeg.size() + depth.size() <= kMaxFrameBytes || quality <= kWorstQuality) break;
   }
   return make_message(frame.utime_us, std::move(jpeg), frame.depth_mm, std::move(depth), coding);

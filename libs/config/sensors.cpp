@@ -15,7 +15,7 @@ const std::vector<std::string> kCameraKeys = {
     "kind", "width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion",
     "depth_min_m", "depth_max_m", "depth_sigma_m", "depth_sigma_per_m", "rate_hz",
     // how to reach it
-    "uri", "colour", "intrinsics", "registration", "auto_exposure", "jpeg_quality",
+    "uri", "colour", "intrinsics", "registration", "auto_exposure", "jpeg_quality", "images",
     "stamp_offset_ms", "depth_fx_px", "depth_fy_px", "depth_cx_px", "depth_cy_px",
     "depth_mount_xyz_m_rpy_deg"};
 
@@ -78,6 +78,7 @@ CameraConnection load_camera_connection(const std::filesystem::path& path) {
   c.registration = map.choice("registration", {"auto", "device", "own", "none"}, c.registration);
   c.auto_exposure = map.flag("auto_exposure", c.auto_exposure);
   c.jpeg_quality = static_cast<int>(map.number("jpeg_quality", 30, 100, c.jpeg_quality));
+  c.images = map.choice("images", {"plain", "packed"}, c.images);
   c.stamp_offset_ms = map.number("stamp_offset_ms", -1000.0, 1000.0, 0.0);
   if (map.has("depth_fx_px")) {
     c.depth_fx_px = map.require_number("depth_fx_px", 10.0, 20000.0);

@@ -30,6 +30,7 @@ struct CameraConnection {
   std::string registration = "auto";  // auto, device, own, none
   bool auto_exposure = true;
   int jpeg_quality = 90;
+  std::string images = "plain";  // plain, packed: half of the network, for our programs only
   double stamp_offset_ms = 0.0;  // added to the stamps of its images
   // The depth camera, for registration by us. fx 0: what the device says.
   double depth_fx_px = 0.0;

@@ -16,8 +16,8 @@ bool recode(const LcmExportOptions& options, images_t* message, std::string* why
   const bot_core::image_t* depth = depth_image(*message);
   if (depth == nullptr) return *why = "there is no depth", false;
   images_t coded = options.jpeg_quality > 0
-                       ? to_message(*frame, options.jpeg_quality, options.depth)
-                       : to_message(message->utime, Bytes{}, frame->depth_mm, options.depth);
+                       ? to_message(*frame, options.jpeg_quality, options.images)
+                       : to_message(message->utime, Bytes{}, frame->depth_mm, options.images);
   coded.images[1].utime = depth->utime;
   coded.images[1].nmetadata = depth->nmetadata;
   coded.images[1].metadata = depth->metadata;

@@ -7,7 +7,7 @@
 namespace fusion_slam {
 
 struct LcmExportOptions {
-  DepthCoding depth = DepthCoding::kPacked;
+  ImageCoding images = ImageCoding::kPacked;
   int jpeg_quality = 0;  // 30 to 100: colour is encoded anew; 0: it stays as it is
 };
 

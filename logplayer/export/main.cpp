@@ -33,12 +33,12 @@ int main(int argc, char** argv) {
   fusion_slam::TumExportOptions tum_options;
   fusion_slam::CarmenExportOptions carmen_options;
   fusion_slam::LcmExportOptions lcm_options;
-  std::string depth = "packed";
+  std::string images = "packed";
   auto* tum = app.add_subcommand(
       "tum", "TUM RGB-D directory: rgb/, depth/, rgb.txt, depth.txt, groundtruth.txt");
   auto* carmen = app.add_subcommand("carmen", "CARMEN log: ODOM and FLASER lines");
   auto* lcm = app.add_subcommand(
-      "lcm", "LCM log again, its depth images packed: about half the size, nothing lost");
+      "lcm", "LCM log again, its images packed: about half the size, nothing lost");
   for (auto* format : {tum, carmen, lcm}) {
     format->add_option("LOG", log, "the LCM log")->required()->check(CLI::ExistingFile);
     format->add_option("OUT", out, "what to make: a directory (tum), a file (carmen, lcm)")
@@ -49,8 +49,9 @@ int main(int argc, char** argv) {
       "the log's own JPEG images instead of PNG: nothing re-encoded, a tenth of the size");
   carmen->add_flag("--full-sweep", carmen_options.full_sweep,
                    "ROBOTLASER1 lines with all beams instead of FLASER with those ahead");
-  lcm->add_option("--depth", depth, "packed, or zlib for programs that know bot_core's images only")
-      ->check(CLI::IsMember({"packed", "zlib"}))
+  lcm->add_option("--images", images,
+                  "packed, or plain for programs that know bot_core's images only")
+      ->check(CLI::IsMember({"packed", "plain"}))
       ->capture_default_str();
   lcm->add_option("--jpeg-quality", lcm_options.jpeg_quality,
                   "encode colour anew, too; without: it stays as it is")
@@ -60,8 +61,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  lcm_options.depth =
-      depth == "zlib" ? fusion_slam::DepthCoding::kZlib : fusion_slam::DepthCoding::kPacked;
+  lcm_options.images =
+      images == "plain" ? fusion_slam::ImageCoding::kPlain : fusion_slam::ImageCoding::kPacked;
   const auto progress = [](double share) {
     std::cerr << "\rexport: " << static_cast<int>(100.0 * share) << " %"
               << (share < 1.0 ? "" : "\n") << std::flush;

@@ -115,18 +115,22 @@ TEST_F(CameraOptionsTest, TheCommandLineWinsOverTheFile) {
   EXPECT_EQ(from_file.connection.colour, "/dev/video2");
   EXPECT_FALSE(from_file.connection.auto_exposure);
   EXPECT_EQ(from_file.connection.jpeg_quality, 80);
+  EXPECT_EQ(from_file.connection.images, "plain");
   EXPECT_DOUBLE_EQ(from_file.connection.depth_fy_px, 581.0);
   EXPECT_DOUBLE_EQ(from_file.connection.stamp_offset_ms, -12.0);
   ASSERT_TRUE(from_file.connection.T_colour_depth);
   EXPECT_DOUBLE_EQ(from_file.connection.T_colour_depth->translation().x(), 0.025);
   write("sensors/other.yaml", "kind: camera\nfx_px: 700\n");
   app.parse("--robot " + file("robots/r.yaml") + " --colour openni2 --auto-exposure on" +
-            " --registration own --calibration " + file("sensors/other.yaml"));
+            " --registration own --images packed --jpeg-quality 75 --calibration " +
+            file("sensors/other.yaml"));
   const CameraDriverConfig from_line = load_setup(options).config;
   EXPECT_DOUBLE_EQ(from_line.camera.fx_px, 700.0);
   EXPECT_EQ(from_line.connection.colour, "openni2");
   EXPECT_EQ(from_line.connection.registration, "own");
   EXPECT_TRUE(from_line.connection.auto_exposure);
+  EXPECT_EQ(from_line.connection.images, "packed");
+  EXPECT_EQ(from_line.connection.jpeg_quality, 75);
 }
 
 TEST_F(CameraOptionsTest, MistakesAreNamed) {

@@ -47,6 +47,24 @@ TEST(Images, WireFieldsAreWhatLibbotExpects) {
   EXPECT_EQ(m.images[1].size, static_cast<int>(m.images[1].data.size()));
 }
 
+TEST(Images, PackedFrameComesBack) {
+  const RgbdFrame frame = make_frame(64, 48, true);
+  const images_t m = to_message(frame, kJpegQuality, ImageCoding::kPacked);
+  EXPECT_EQ(m.image_types[0], +images_t::LEFT);
+  EXPECT_EQ(m.image_types[1], kDepthPacked);
+  EXPECT_EQ(depth_image(m), &m.images[1]);
+  std::string why;
+  const auto back = from_message(m, &why), plain = from_message(to_message(frame), &why);
+  ASSERT_TRUE(back && plain) << why;
+  EXPECT_EQ(cv::norm(back->depth_mm, frame.depth_mm, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(back->colour_bgr, plain->colour_bgr, cv::NORM_INF), 0.0);
+  EXPECT_LT(m.images[0].size, to_message(frame).images[0].size);
+  images_t bad = m;
+  bad.images[1].data.resize(bad.images[1].data.size() / 2);
+  EXPECT_FALSE(from_message(bad, &why));
+  EXPECT_EQ(why, "packed depth is damaged or of another size");
+}
+
 TEST(Images, WorstFrameStaysBelowTheLimit) {
   const images_t m = to_message(make_frame(640, 480, true));  // white noise
   EXPECT_LE(m.images[0].data.size() + m.images[1].data.size(), kMaxFrameBytes);
