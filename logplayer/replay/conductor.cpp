@@ -20,7 +20,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kPollPeriod = std::chrono::milliseconds(50);
 constexpr auto kStepRepeat = std::chrono::milliseconds(200);  // a lost STEP is sent again
-constexpr std::size_t kRepeatMemory = 256;    // as the receivers' (libs/bus/inbox.cpp)
+constexpr std::size_t kRepeatMemory = 256;  // as the receivers' (libs/bus/inbox.cpp)
+constexpr int kMostWaiting = 32;
 constexpr std::size_t kOneDatagram = 65'000;  // LCM cuts larger messages into several
 
 bool ends_with(const std::string& text, const std::string& end) {
@@ -149,8 +150,11 @@ void Conductor::wait_for_processes(int timeout_s) {
 Conductor::Counts Conductor::counts_locked() const {
   Counts counts = bus_.published();
   if (!ahead_channel_.empty()) --counts[ahead_channel_];
-  for (const auto& [name, peer] : shared_->last)
-    for (const auto& channel : peer.channels) counts[channel.channel] += channel.published;
+  for (const auto& [name, peer] : shared_->last) {
+    const auto behind = behind_.find(name);
+    for (const auto& channel : (behind != behind_.end() ? behind->second.before : peer).channels)
+      counts[channel.channel] += channel.published;
+  }
   for (auto it = counts.begin(); it != counts.end();)
     it = is_control_channel(it->first) ? counts.erase(it) : std::next(it);
   return counts;
@@ -191,15 +195,64 @@ std::string Conductor::who_lags() const {
   return text.empty() ? "nobody" : text;
 }
 
-void Conductor::step_until_quiet() {
+bool Conductor::must_catch_up(const std::string& name, const Counts& counts, bool all) const {
+  const Behind& behind = behind_.at(name);
+  if (all || behind.events >= options_.most_behind) return true;
+  const auto& channels = behind.before.channels;
+  return std::any_of(channels.begin(), channels.end(), [&](const channel_stats_t& channel) {
+    const auto sent = counts.find(channel.channel);
+    const auto given = behind.given.find(channel.channel);
+    return channel.subscribed != 0 && sent != counts.end() &&
+           sent->second > (given != behind.given.end() ? given->second : 0);
+  });
+}
+
+// Waits for those who are behind and must not be any longer; true when there were any.
+bool Conductor::catch_up(bool all) {
+  std::set<std::string> names;
+  std::int64_t step = 0;
+  {
+    const std::lock_guard<std::mutex> lock(shared_->mutex);
+    const Counts counts = counts_locked();
+    for (const auto& [name, behind] : behind_)
+      if (must_catch_up(name, counts, all)) names.insert(name);
+  }
+  for (const std::string& name : names) {
+    step = behind_.at(name).step;
+    await_answers({name}, step);
+    behind_.erase(name);
+  }
+  return !names.empty();
+}
+
+void Conductor::await_answers(const std::set<std::string>& names, std::int64_t step) {
+  auto sent = Clock::now();
+  const auto answered = [&] {
+    for (const std::string& name : names)
+      if (shared_->last[name].step < step) {
+        if (Clock::now() - sent > kStepRepeat) {
+          bus_.publish("STEP", last_step_);
+          sent = Clock::now();
+        }
+        return false;
+      }
+    return true;
+  };
+  wait(answered, "step " + std::to_string(step));
+}
+
+void Conductor::step_until_quiet(bool all) {
+  n_waiting_ = 0;
   for (;;) {
+    if (catch_up(all)) continue;
     step_t message{};
     std::set<std::string> busy;
+    Counts counts;
     {
       const std::lock_guard<std::mutex> lock(shared_->mutex);
-      const Counts counts = counts_locked();
+      counts = counts_locked();
       for (const auto& [name, peer] : shared_->last)
-        if (backlog(peer, counts) > 0) busy.insert(name);
+        if (behind_.count(name) == 0 && backlog(peer, counts) > 0) busy.insert(name);
       for (const auto& [channel, count] : counts) {
         message.channels.push_back(channel);
         message.counts.push_back(count);
@@ -208,21 +261,37 @@ void Conductor::step_until_quiet() {
     if (busy.empty()) return;
     message.n_channels = static_cast<std::int32_t>(message.channels.size());
     message.step = ++step_;
+    last_step_ = message;
+    for (const std::string& name : options_.behind) {
+      if (busy.erase(name) == 0) continue;
+      const std::lock_guard<std::mutex> lock(shared_->mutex);
+      behind_[name] = {step_, counts, shared_->last[name], 0};
+    }
     bus_.publish("STEP", message);
-    auto sent = Clock::now();
-    const auto answered = [&] {
-      for (const std::string& name : busy)
-        if (shared_->last[name].step < step_) {
-          if (Clock::now() - sent > kStepRepeat) {
-            bus_.publish("STEP", message);
-            sent = Clock::now();
-          }
-          return false;
-        }
-      return true;
-    };
-    wait(answered, "step " + std::to_string(step_));
+    await_answers(busy, step_);
   }
+}
+
+// Whether the event waits for the step of the next. Handlers get it before what is later, and
+// nothing comes of it at once; so for them nothing changes.
+bool Conductor::goes_later(const LogEvent& event) {
+  if (options_.mode != Mode::kLockstep || options_.inert.count(event.channel) == 0) return false;
+  const auto utime_us = peek_utime(event.data.data(), event.data.size());
+  if (!anybody_listens(event.channel)) return true;
+  if (!utime_us || n_waiting_ >= kMostWaiting) return false;
+  waiting_utime_us_ = n_waiting_ == 0 ? *utime_us : std::max(waiting_utime_us_, *utime_us);
+  ++n_waiting_;
+  return true;
+}
+
+bool Conductor::anybody_listens(const std::string& channel) const {
+  const std::lock_guard<std::mutex> lock(shared_->mutex);
+  return std::any_of(shared_->last.begin(), shared_->last.end(), [&](const auto& peer) {
+    const auto& channels = peer.second.channels;
+    return std::any_of(channels.begin(), channels.end(), [&](const channel_stats_t& theirs) {
+      return theirs.channel == channel && theirs.subscribed != 0;
+    });
+  });
 }
 
 bool Conductor::was_recent(const std::string& channel, std::size_t hash) const {
@@ -273,6 +342,12 @@ Played Conductor::play(const LogEvent& event, const LogEvent* next) {
                         ahead_event_ == std::pair(event.offset_bytes, event.number);
   if (!is_there && !is_decodable(event)) return Played::kUndecodable;
   if (is_repeat(event)) return Played::kRepeat;
+  const auto utime_us = peek_utime(event.data.data(), event.data.size());
+  if (n_waiting_ > 0 && options_.inert.count(event.channel) == 0 &&
+      (!utime_us || *utime_us <= waiting_utime_us_))
+    step_until_quiet();
+  if (event.channel == "CAMERA" || event.channel == "LIDAR")
+    for (auto& [name, behind] : behind_) ++behind.events;
   const auto published = bus_.published();
   const auto mine = published.find(event.channel);
   const bool first = mine == published.end();
@@ -286,6 +361,7 @@ Played Conductor::play(const LogEvent& event, const LogEvent* next) {
     bus_.publish_bytes(event.channel, renumbered(event, first ? 1 : mine->second + 1));
   if (next != nullptr) send_ahead(*next);
   poll_();
+  if (goes_later(event)) return Played::kYes;
   if (options_.mode == Mode::kLockstep) {
     step_until_quiet();
   } else {
@@ -305,6 +381,7 @@ Played Conductor::play(const LogEvent& event, const LogEvent* next) {
 }
 
 void Conductor::command(const std::string& verb, std::int64_t utime_us) {
+  settle();
   command_t message{};
   message.utime = utime_us;
   message.verb = verb;
@@ -313,7 +390,7 @@ void Conductor::command(const std::string& verb, std::int64_t utime_us) {
 }
 
 void Conductor::settle() {
-  if (options_.mode == Mode::kLockstep) return step_until_quiet();
+  if (options_.mode == Mode::kLockstep) return step_until_quiet(true);
   // A process may be about to publish: quiet is when two looks, a status apart, see the same counts
   // and no backlog.
   Counts before;

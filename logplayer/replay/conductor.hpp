@@ -3,8 +3,13 @@
 // Lockstep, after an event: every process handles in one step the messages that the step before
 // brought forth (bulk synchronous processing, Valiant 1990), in canonical order, until no message
 // is unhandled. What a process sees therefore depends on the log alone, not on the network's or the
-// scheduler's timing. Throughput: a bounded number of messages is in flight; the first of each
-// channel is handled by all before the next is sent.
+// scheduler's timing. Two things save waiting and leave that so: what brings forth
+// nothing (`inert`) is handled in the step of the next later event; and processes that no pose
+// waits for
+// (`behind`) may work on while others go on, until there is new work for them or a number of sensor
+// events has been played: only then is what they have published counted. Throughput: a bounded
+// number of messages is in flight; the first of each channel is handled by all before the next is
+// sent.
 //
 // All methods from one thread.
 #pragma once
@@ -14,6 +19,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +32,9 @@ namespace fusion_slam {
 struct ConductorOptions {
   Mode mode = Mode::kLockstep;         // or kThroughput
   std::vector<std::string> processes;  // names in STATUS of those who must digest everything
+  std::set<std::string> inert;         // lockstep: channels whose handlers publish nothing
+  std::set<std::string> behind;        // lockstep: those of them that others need not wait for
+  int most_behind = 6;                 // events of camera or LiDAR
   int most_in_flight = 24;             // throughput: unhandled messages a process may have
   int stall_timeout_s = 120;           // no progress at all for this long is an error
 };
@@ -63,11 +72,23 @@ class Conductor {
 
  private:
   using Counts = std::map<std::string, std::int64_t>;
+  // A process of `behind` at work on a step.
+  struct Behind {
+    std::int64_t step = 0;
+    Counts given;     // what the step told it to handle
+    status_t before;  // what it had published then
+    int events = 0;   // of camera or LiDAR, played since
+  };
   bool wait(const std::function<bool()>& ready, const std::string& what);
   Counts counts_locked() const;
+  bool goes_later(const LogEvent& event);
+  bool anybody_listens(const std::string& channel) const;
+  bool must_catch_up(const std::string& name, const Counts& counts, bool all) const;
   static std::int64_t backlog(const status_t& peer, const Counts& counts);
   std::string who_lags() const;
-  void step_until_quiet();
+  bool catch_up(bool all);
+  void step_until_quiet(bool all = false);
+  void await_answers(const std::set<std::string>& names, std::int64_t step);
   bool all_have_locked(const std::string& channel, std::int64_t count) const;
   bool was_recent(const std::string& channel, std::size_t hash) const;
   bool is_repeat(const LogEvent& event);
@@ -77,6 +98,11 @@ class Conductor {
   ConductorOptions options_;
   std::function<void()> poll_;
   std::int64_t step_ = 0;
+  step_t last_step_{};
+  std::map<std::string, Behind> behind_;
+  // Inert events that no step has counted yet.
+  int n_waiting_ = 0;
+  std::int64_t waiting_utime_us_ = 0;  // of the newest
   std::map<std::string, std::deque<std::size_t>> recent_;
   // What was sent ahead: its channel (empty: nothing) and its place in the log.
   std::string ahead_channel_;
