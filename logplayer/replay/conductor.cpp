@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "fusion_slam/command_t.hpp"
-#include "fusion_slam/step_t.hpp"
 #include "libs/schema/guard.hpp"
 
 namespace fusion_slam {

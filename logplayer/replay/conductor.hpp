@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "fusion_slam/step_t.hpp"
 #include "libs/bus/bus.hpp"
 #include "libs/eventlog/event.hpp"
 

@@ -72,7 +72,7 @@ Outcome replay(const RunOptions& options, const std::string& url) {
   conductor_options.mode = options.mode;
   conductor_options.processes = service_names(options);
   conductor_options.inert = {"ODOMETRY", "GROUND_TRUTH"};
-  if (std::getenv("FS_BEHIND") != nullptr) conductor_options.behind = {"dense_mapper", "fuser"};
+  conductor_options.behind = {"dense_mapper", "fuser"};
   int tolerated = 0;
   Conductor conductor(bus, conductor_options, [&] {
     crew.check();
