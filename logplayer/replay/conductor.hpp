@@ -35,7 +35,7 @@ struct ConductorOptions {
   std::vector<std::string> processes;  // names in STATUS of those who must digest everything
   std::set<std::string> inert;         // lockstep: channels whose handlers publish nothing
   std::set<std::string> behind;        // lockstep: those of them that others need not wait for
-  int most_behind = 6;                 // events of camera or LiDAR
+  int most_behind = 2;                 // events of camera or LiDAR
   int most_in_flight = 24;             // throughput: unhandled messages a process may have
   int stall_timeout_s = 120;           // no progress at all for this long is an error
 };
