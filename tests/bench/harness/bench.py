@@ -47,10 +47,11 @@ def spread(values, digits=3):
 class Bench:
     """Runs programs of one build and collects tables; a failed command is a result, too."""
 
-    def __init__(self, build, out):
+    def __init__(self, build, out, resume=False):
         self.bin = pathlib.Path(build).resolve() / "bin"
         self.out = pathlib.Path(out).resolve()
         self.out.mkdir(parents=True, exist_ok=True)
+        self.resume = resume  # runs whose metrics.json is there are not made again
         self.tables = []
         self.failures = []
         self.pictures = []
