@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "libs/tiles/packed_tile.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -61,16 +63,8 @@ Tile encode_cloud_tile(const TileKey& key, const std::vector<ColouredPoint>& poi
 
 Tile cloud_tile_of_packed(const TileKey& key, std::vector<std::uint8_t> packed, double resolution_m,
                           std::int64_t revision, std::int64_t utime_us) {
-  Tile tile;
-  tile.key = key;
-  tile.utime_us = utime_us;
-  tile.revision = revision;
-  tile.resolution_m = resolution_m;
-  tile.size_cells = kCloudTileVoxels;
-  if (packed.empty()) return tile;
-  tile.encoding = TileEncoding::kCloud;
-  tile.data = std::move(packed);
-  return tile;
+  return tile_of_packed(TileEncoding::kCloud, key, std::move(packed), kCloudTileVoxels,
+                        resolution_m, revision, utime_us);
 }
 
 ColouredPoint as_encoded(const TileKey& key, const ColouredPoint& point, double resolution_m) {

@@ -2,21 +2,16 @@
 
 #include <algorithm>
 
+#include "libs/tiles/packed_tile.hpp"
+
 namespace fusion_slam {
 
 Tile encode_fused_tile(const TileKey& key, const FusedCells& cells, double resolution_m,
                        std::int64_t revision, std::int64_t utime_us) {
   std::vector<std::uint8_t> raw(cells.probability.begin(), cells.probability.end());
   raw.insert(raw.end(), cells.provenance.begin(), cells.provenance.end());
-  Tile tile;
-  tile.key = key;
-  tile.utime_us = utime_us;
-  tile.revision = revision;
-  tile.resolution_m = resolution_m;
-  tile.size_cells = kTileCells;
-  tile.encoding = TileEncoding::kGridFused;
-  tile.data = deflate_bytes(raw);
-  return tile;
+  return tile_of_packed(TileEncoding::kGridFused, key, deflate_bytes(raw), kTileCells, resolution_m,
+                        revision, utime_us);
 }
 
 std::optional<FusedCells> decode_fused_tile(const Tile& tile) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "libs/tiles/packed_tile.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -29,15 +31,9 @@ void TiledGrid::set(int cell_x, int cell_y, std::uint8_t value) {
 
 Tile encode_grid_tile(const TileKey& key, const TileCells& cells, double resolution_m,
                       std::int64_t revision, std::int64_t utime_us) {
-  Tile tile;
-  tile.key = key;
-  tile.utime_us = utime_us;
-  tile.revision = revision;
-  tile.resolution_m = resolution_m;
-  tile.size_cells = kTileCells;
-  tile.encoding = TileEncoding::kGridProbability;
-  tile.data = deflate_bytes(std::vector<std::uint8_t>(cells.begin(), cells.end()));
-  return tile;
+  return tile_of_packed(TileEncoding::kGridProbability, key,
+                        deflate_bytes(std::vector<std::uint8_t>(cells.begin(), cells.end())),
+                        kTileCells, resolution_m, revision, utime_us);
 }
 
 std::optional<TileCells> decode_grid_tile(const Tile& tile) {

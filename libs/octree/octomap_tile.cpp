@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "libs/octree/voxel_pack.hpp"
+#include "libs/tiles/packed_tile.hpp"
 
 namespace fusion_slam {
 std::int8_t log_odds_to_step(double log_odds) {
@@ -19,16 +20,8 @@ Tile encode_octomap_tile(const TileKey& key, const VoxelCells& cells, double res
 
 Tile octomap_tile_of(const TileKey& key, std::vector<std::uint8_t> packed, double resolution_m,
                      std::int64_t revision, std::int64_t utime_us) {
-  Tile tile;
-  tile.key = key;
-  tile.utime_us = utime_us;
-  tile.revision = revision;
-  tile.resolution_m = resolution_m;
-  tile.size_cells = kOctomapTileVoxels;
-  if (packed.empty()) return tile;
-  tile.encoding = TileEncoding::kOctomap;
-  tile.data = std::move(packed);
-  return tile;
+  return tile_of_packed(TileEncoding::kOctomap, key, std::move(packed), kOctomapTileVoxels,
+                        resolution_m, revision, utime_us);
 }
 
 std::optional<VoxelCells> decode_octomap_cells(const Tile& tile) {

@@ -32,6 +32,11 @@ struct DenseMapperConfig {
   // Voxels of a submap that this many newer ones know too are dropped: the clamped sum (3.5, and -2
   // a submap at most) has forgotten them after two.
   int submaps_that_count = 4;
+  // While the submaps hold more than so many times what the map composed of them does (which is the
+  // area), up to so many more of them are looked at for each that closes. A drive through new rooms
+  // holds 2 times as much.
+  double submaps_over_map = 3.0;
+  int more_superseded = 3;
 
   // --- publishing
   // Anchors that move are followed this often, in the graph's utime: the map has to follow within a

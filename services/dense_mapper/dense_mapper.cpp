@@ -290,12 +290,25 @@ void DenseMapper::extend_base() {
     const std::int64_t old =
         count_newer(it->first, 2 * config_.submaps_that_count, &submaps_, &counted);
     for (const std::int64_t id : counted) placed_submap(id);
-    if (old == 0) continue;
-    const bool empty = drop_superseded(old, config_.submaps_that_count, robot_.map_resolution_m,
-                                       robot_.map_resolution_m / kCloudVoxelsPerCell, &submaps_);
-    changed_submap(old);
-    if (empty && robot_.planar) forget_submap(old);
+    if (old != 0) supersede(old);
+    for (int i = 0; i < config_.more_superseded && holds_too_much(); ++i) {
+      const std::int64_t ripe = ripest(2 * config_.submaps_that_count, submaps_);
+      if (ripe == 0) break;
+      supersede(ripe);
+    }
   }
+}
+
+bool DenseMapper::holds_too_much() const {
+  return static_cast<double>(submap_bytes()) >
+         config_.submaps_over_map * static_cast<double>(map_bytes());
+}
+
+void DenseMapper::supersede(std::int64_t id) {
+  const bool empty = drop_superseded(id, config_.submaps_that_count, robot_.map_resolution_m,
+                                     robot_.map_resolution_m / kCloudVoxelsPerCell, &submaps_);
+  changed_submap(id);
+  if (empty && robot_.planar) forget_submap(id);
 }
 
 // Nothing is left of it; a hand-held camera's still says what is level.
@@ -315,10 +328,7 @@ void DenseMapper::forget_submap(std::int64_t id) {
 
 std::size_t DenseMapper::submap_bytes() const {
   std::size_t sum = 0;
-  for (const auto& [id, submap] : submaps_) {
-    sum += size_bytes(submap.packed);
-    for (const auto& [key, bytes] : submap.packed_cloud) sum += bytes.size();
-  }
+  for (const auto& [id, submap] : submaps_) sum += size_bytes(submap);
   return sum;
 }
 

@@ -106,6 +106,7 @@ class DenseMapper {
   std::int64_t dropped() const { return dropped_; }  // waited too long, see max_waiting
   const SE3& mounting_correction() const { return mounting_.correction(); }
   // What is kept packed for ever: submaps, and the map composed of them.
+  std::size_t submaps() const { return submaps_.size(); }
   std::size_t submap_bytes() const;
   std::size_t map_bytes() const { return base_.size_bytes(); }
 
@@ -123,6 +124,8 @@ class DenseMapper {
   bool place_submaps(double slack_m);
   bool close_full_submaps();
   void extend_base();
+  void supersede(std::int64_t id);
+  bool holds_too_much() const;
   void forget_submap(std::int64_t id);
   void check_wish();
   void found_level();

@@ -138,6 +138,12 @@ std::set<BlockIndex> integrate_cloud(const DepthCloud& cloud, const SE3& T_subma
   return changed;
 }
 
+std::size_t size_bytes(const DenseSubmap& submap) {
+  std::size_t sum = size_bytes(submap.packed);
+  for (const auto& [key, bytes] : submap.packed_cloud) sum += bytes.size();
+  return sum;
+}
+
 void close_submap(double resolution_m, DenseSubmap* submap) {
   submap->closed = true;
   submap->packed = pack_cubes(submap->cubes);

@@ -65,6 +65,8 @@ std::set<BlockIndex> integrate_cloud(const DepthCloud& cloud, const SE3& T_subma
                                      const DenseMapperConfig& config, bool keep_surfaces,
                                      DenseSubmap* submap);
 
+std::size_t size_bytes(const DenseSubmap& submap);  // of what a closed one keeps packed
+
 // Packs an open submap; opens a packed one again, to integrate a keyframe that came late (sums
 // beyond the bounds are forgotten).
 void close_submap(double resolution_m, DenseSubmap* submap);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libs/tiles/packed_tile.hpp"
 #include "services/dense_mapper/dense_mapper.hpp"
 
 namespace fusion_slam {
@@ -128,12 +129,11 @@ void DenseMapper::publish_grid(std::vector<Tile>* out) {
     const TileCells& cells = grid_.tiles().at(index);
     const bool known = std::any_of(cells.begin(), cells.end(),
                                    [](std::uint8_t cell) { return cell != kUnknownCell; });
-    Tile tile;
-    tile.key = {0, index.first, index.second, 0};
-    tile.utime_us = newest_us_;
-    tile.resolution_m = robot_.map_resolution_m;
-    tile.size_cells = kTileCells;
-    if (known) tile = encode_grid_tile(tile.key, cells, tile.resolution_m, 0, newest_us_);
+    const TileKey key{0, index.first, index.second, 0};
+    const double resolution_m = robot_.map_resolution_m;
+    Tile tile = known ? encode_grid_tile(key, cells, resolution_m, 0, newest_us_)
+                      : tile_of_packed(TileEncoding::kEmpty, key, {}, kTileCells, resolution_m, 0,
+                                       newest_us_);
     if (auto fresh = grid_tiles_.offer(std::move(tile))) out->push_back(std::move(*fresh));
   }
 }

@@ -57,6 +57,20 @@ std::int64_t count_newer(std::int64_t closed_id, int enough, DenseSubmaps* subma
   return chosen;
 }
 
+std::int64_t ripest(int enough, const DenseSubmaps& submaps) {
+  std::int64_t chosen = 0;
+  double most = 0.0;
+  for (const auto& [id, submap] : submaps) {
+    if (!submap.closed || submap.packed.empty() || submap.newer < enough) continue;
+    const double gain =
+        static_cast<double>(size_bytes(submap)) * submap.newer / (1.0 + submap.visits);
+    if (gain <= most) continue;
+    most = gain;
+    chosen = id;
+  }
+  return chosen;
+}
+
 bool drop_superseded(std::int64_t id, int keep, double resolution_m, double cloud_resolution_m,
                      DenseSubmaps* submaps) {
   DenseSubmap& old = submaps->at(id);

@@ -16,6 +16,11 @@ namespace fusion_slam {
 std::int64_t count_newer(std::int64_t closed_id, int enough, DenseSubmaps* submaps,
                          std::set<std::int64_t>* counted);
 
+// While the submaps hold too much: the closed submap from which most is likely to go, of those that
+// have gathered `enough` since they were looked at. That is the one with the largest product of its
+// size and what it gathered, divided by one more than the times it was looked at. 0: none.
+std::int64_t ripest(int enough, const DenseSubmaps& submaps);
+
 // Drops from a closed submap the voxels that at least `keep` newer closed submaps know at the same
 // place, and the points within them. True: nothing is left of it.
 bool drop_superseded(std::int64_t id, int keep, double resolution_m, double cloud_resolution_m,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libs/tiles/packed_tile.hpp"
 #include "services/fuser/fusion_rule.hpp"
 #include "services/fuser/insides.hpp"
 
@@ -10,12 +11,8 @@ namespace fusion_slam {
 namespace {
 
 Tile empty_tile(const TileIndex& index, double resolution_m, std::int64_t utime_us) {
-  Tile tile;
-  tile.key = {0, index.first, index.second, 0};
-  tile.resolution_m = resolution_m;
-  tile.size_cells = kTileCells;
-  tile.utime_us = utime_us;
-  return tile;
+  return tile_of_packed(TileEncoding::kEmpty, {0, index.first, index.second, 0}, {}, kTileCells,
+                        resolution_m, 0, utime_us);
 }
 
 const TileCells* find(const TiledGrid& grid, const TileIndex& index) {

@@ -1,6 +1,7 @@
 // Does the dense mapper grow with the area or with time? Its library is fed with the keyframes of a
 // long drive as fast as it goes; each minute of drive is a line of CSV: memory, processor time a
-// keyframe, what a journal written anew would hold, and what a restart from it takes.
+// keyframe, what a journal written anew would hold, and what a restart from it takes. In the end,
+// how good the map is.
 #include <cstdio>
 #include <iostream>
 #include <map>
@@ -8,25 +9,32 @@
 #include <optional>
 
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 
+#include "bot_core/pose_t.hpp"
 #include "fusion_slam/keyframe_image_t.hpp"
 #include "fusion_slam/keyframe_t.hpp"
 #include "libs/camera_messages/images.hpp"
+#include "libs/eventlog/reader.hpp"
 #include "libs/journal/journal.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 #include "services/dense_mapper/dense_mapper.hpp"
+#include "tests/bench/dense_map/bench_score.hpp"
 #include "tests/support/decoded.hpp"
 #include "tests/support/process_meter.hpp"
 
 namespace fusion_slam {
 namespace {
 
+constexpr double kKeyframeM = 0.2;  // sensor logs: a keyframe at so much motion
+constexpr double kKeyframeRad = 0.2;
+
 class Drive {
  public:
   explicit Drive(double minutes) : end_minutes_(minutes) {
-    std::cout << "minute,keyframes,rss_mb,submaps_mb,base_mb,ms_per_keyframe,journalled_mb,"
-                 "kept_mb,restart_ms\n";
+    std::cout << "minute,keyframes,rss_mb,heap_mb,submaps,submaps_mb,base_mb,ms_per_keyframe,"
+                 "journalled_mb,kept_mb,restart_ms\n";
   }
   void add_pose(const LogEvent& event) {
     const auto message = decoded<keyframe_t>(event);
@@ -44,9 +52,43 @@ class Drive {
     }
     if (event.channel == "KEYFRAME_IMAGE" && mapper_ && !done_)
       map(decoded<keyframe_image_t>(event));
+    if (event.channel == "GROUND_TRUTH") {
+      const auto message = decoded<bot_core::pose_t>(event);
+      if (const auto T = from_message(message)) see(message.utime, *T);
+    }
+    if (event.channel == "CAMERA" && mapper_ && !done_) image_ = decoded<bot_core::images_t>(event);
+    if (image_ && image_->utime == truth_us_) see(truth_us_, truth_);
+  }
+  bool done() const { return done_; }
+  // As a map of the world that begins where the drive began.
+  void score(const std::string& path) {
+    if (!mapper_ || !robot_) return;
+    grid_.take(mapper_->update(true).grid);
+    const TruthMap truth = load_truth(path, *robot_, start_.translation().head<2>());
+    const MapRaster map = grid_.raster(robot_->map_resolution_m);
+    std::cerr << score_line("camera", truth, map, map, SE2{}) << "\n";
   }
 
  private:
+  // The truth of a moment, and perhaps its image.
+  void see(std::int64_t utime_us, const SE3& T_world_base) {
+    if (truth_us_ == 0) start_ = T_world_base;
+    truth_us_ = utime_us;
+    truth_ = T_world_base;
+    if (!mapper_ || !image_ || image_->utime != utime_us) return;
+    const SE3 moved = keyframe_.inverse() * T_world_base;
+    if (id_ == 0 || moved.translation().norm() >= kKeyframeM ||
+        log_so3(moved.linear()).norm() >= kKeyframeRad) {
+      keyframe_ = T_world_base;
+      keyframe_image_t message{};
+      message.utime = utime_us;
+      message.id = ++id_;
+      message.images = *image_;
+      T_map_base_ = {{id_, T_world_base}};
+      map(message);
+    }
+    image_.reset();
+  }
   void map(const keyframe_image_t& message) {
     const auto pose = T_map_base_.find(message.id);
     std::string why;
@@ -57,10 +99,11 @@ class Drive {
     mapper_->add_keyframe(message.id, *frame);
     mapper_->set_pose(message.id, pose->second, message.utime);
     mapper_->integrate_ready();
-    mapper_->update(false);
+    const DenseTiles tiles = mapper_->update(false);
     journalled_bytes_ += mapper_->take_changes().size() + event_bytes(message);
     spent_ms_ += process_cpu_ms() - begin_ms;
     ++n_;
+    grid_.take(tiles.grid);
     const double minute = 1e-6 / 60.0 * static_cast<double>(message.utime - begin_us_);
     if (minute >= next_minute_) say(minute);
     done_ = minute >= end_minutes_;
@@ -71,6 +114,7 @@ class Drive {
   void say(double minute) {
     next_minute_ += 1.0;
     const double memory_mb = resident_mb();
+    const struct mallinfo2 heap = mallinfo2();
     std::vector<SavedBytes> records;
     std::size_t kept_bytes = 0;
     mapper_->write_all([&](const SavedBytes& bytes) {
@@ -86,7 +130,8 @@ class Drive {
     good = good && again.restore(std::move(map));
     again.update(false);
     const double restart_ms = process_cpu_ms() - begin_ms;
-    std::printf("%.2f,%d,%.1f,%.2f,%.2f,%.2f,%.1f,%.2f,%.0f\n", minute, n_, memory_mb,
+    std::printf("%.2f,%d,%.1f,%.1f,%zu,%.2f,%.2f,%.2f,%.1f,%.2f,%.0f\n", minute, n_, memory_mb,
+                1e-6 * static_cast<double>(heap.uordblks + heap.hblkhd), mapper_->submaps(),
                 1e-6 * static_cast<double>(mapper_->submap_bytes()),
                 1e-6 * static_cast<double>(mapper_->map_bytes()), spent_ms_ / (n_ - said_),
                 1e-6 * static_cast<double>(journalled_bytes_),
@@ -98,6 +143,11 @@ class Drive {
 
   double end_minutes_;
   std::map<std::int64_t, SE3> T_map_base_;
+  std::optional<bot_core::images_t> image_;  // of a sensor log, waits for its truth
+  std::int64_t truth_us_ = 0;
+  std::int64_t id_ = 0;
+  SE3 truth_ = SE3::Identity(), start_ = SE3::Identity(), keyframe_ = SE3::Identity();
+  HeldGrid grid_;
   std::optional<CameraModel> camera_;
   std::optional<RobotModel> robot_;
   std::unique_ptr<DenseMapper> mapper_;
@@ -120,15 +170,25 @@ int main(int argc, char** argv) {
   std::string keyframes;
   std::string images;
   double minutes = 1e9;
-  app.add_option("keyframes", keyframes, "visual_odometry.lcmlog, a journal")
+  std::string truth;
+  app.add_option("keyframes", keyframes,
+                 "visual_odometry.lcmlog, a journal; or a sensor log with GROUND_TRUTH: keyframes "
+                 "at motion lie where they were")
       ->required()
       ->check(CLI::ExistingFile);
   app.add_option("images", images, "dense_mapper.lcmlog, a journal with KEYFRAME_IMAGE and models")
-      ->required()
       ->check(CLI::ExistingFile);
+  app.add_option("--truth", truth, "of a sensor log: the world's file, to score the map");
   app.add_option("--minutes", minutes, "of drive, then end");
   CLI11_PARSE(app, argc, argv);
   fusion_slam::Drive drive(minutes);
+  if (images.empty()) {
+    fusion_slam::LogReader reader(keyframes);
+    fusion_slam::LogEvent event;
+    while (!drive.done() && reader.next(&event)) drive.add(event);
+    if (!truth.empty()) drive.score(truth);
+    return 0;
+  }
   fusion_slam::read_journal(keyframes, [&](const fusion_slam::LogEvent& event) {
     if (event.channel == "KEYFRAME") drive.add_pose(event);
   });

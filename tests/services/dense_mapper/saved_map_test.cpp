@@ -38,6 +38,7 @@ class SavedMapTest : public testing::TestWithParam<bool> {
     robot_.T_base_camera.translation() = Eigen::Vector3d(0.0, 0.0, 0.35);
     config_.keyframes_per_submap = 2;
     config_.submaps_that_count = 1;  // so that submaps are superseded soon
+    config_.submaps_over_map = 0.5;  // and many
   }
   static SE3 pose(int id) {
     return from_xyz_rpy(0.02 * (id % 5), 0.03 * (id % 3), 0.0, 0.0, 0.0, 0.06 * (id % 4));
