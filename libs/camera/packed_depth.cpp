@@ -77,19 +77,24 @@ struct Pixels {
   std::vector<std::uint16_t> far;  // ranks of those that are further off
 };
 
-Pixels look_at(const cv::Mat& depth_mm, const std::vector<std::uint16_t>& values) {
-  std::vector<std::uint16_t> rank_of(65536, 0);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    rank_of[values[i]] = static_cast<std::uint16_t>(i);
+// Upper and lower half are coded for themselves, so that a processor can read both at a time: each
+// pixel waits for the one before it.
+std::array<cv::Mat, 2> halves(const cv::Mat& image) {
+  const int upper = (image.rows + 1) / 2;
+  return {image.rowRange(0, upper), image.rowRange(upper, image.rows)};
+}
+
+Pixels look_at(const cv::Mat& depth_mm, const std::vector<std::uint16_t>& rank_of,
+               int highest_rank) {
   Pixels pixels;
   pixels.coded.reserve(depth_mm.total());
-  DepthGuess guesses(depth_mm.cols, static_cast<int>(values.size()) - 1);
+  DepthGuess guesses(depth_mm.cols, highest_rank);
   for (int v = 0; v < depth_mm.rows; ++v) {
-    const auto* row = depth_mm.ptr<std::uint16_t>(v);
-    DepthGuess::Row guesses_here = guesses.begin_row();
+    const auto* depths = depth_mm.ptr<std::uint16_t>(v);
+    DepthGuess::Row row = guesses.begin_row();
     for (int u = 0; u < depth_mm.cols; ++u) {
-      const int rank = rank_of[row[u]];
-      const DepthGuess::Guess guess = guesses_here.guess();
+      const int rank = rank_of[depths[u]];
+      const DepthGuess::Guess guess = row.guess();
       int symbol = rank == 0 ? kNone : rank - guess.rank + kFurthest;
       if (rank != 0 && (symbol < 0 || symbol >= kNone)) {
         symbol = kFar;
@@ -97,10 +102,19 @@ Pixels look_at(const cv::Mat& depth_mm, const std::vector<std::uint16_t>& values
       }
       pixels.coded.push_back(
           {static_cast<std::uint8_t>(guess.context), static_cast<std::uint8_t>(symbol)});
-      guesses_here.put(rank, guess);
+      row.put(rank, guess);
     }
   }
   return pixels;
+}
+
+std::array<Pixels, 2> look_at(const cv::Mat& depth_mm, const std::vector<std::uint16_t>& values) {
+  std::vector<std::uint16_t> rank_of(65536, 0);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    rank_of[values[i]] = static_cast<std::uint16_t>(i);
+  const int highest_rank = static_cast<int>(values.size()) - 1;
+  const std::array<cv::Mat, 2> half = halves(depth_mm);
+  return {look_at(half[0], rank_of, highest_rank), look_at(half[1], rank_of, highest_rank)};
 }
 
 struct Range {
@@ -109,10 +123,11 @@ struct Range {
 using Tables = std::array<std::array<Range, kSymbols>, kDepthContexts>;
 
 // Writes them, too: of each context the first symbol, how many from there on, their frequencies.
-Tables tables_of(const Pixels& pixels, Bytes* out) {
+Tables tables_of(const std::array<Pixels, 2>& pixels, Bytes* out) {
   std::vector<std::vector<std::uint32_t>> counts(kDepthContexts,
                                                  std::vector<std::uint32_t>(kSymbols, 0));
-  for (const Coded& pixel : pixels.coded) ++counts[pixel.context][pixel.symbol];
+  for (const Pixels& half : pixels)
+    for (const Coded& pixel : half.coded) ++counts[pixel.context][pixel.symbol];
   Tables tables{};
   for (std::size_t c = 0; c < kDepthContexts; ++c) {
     const std::vector<std::uint16_t> frequencies = rans_frequencies(counts[c]);
@@ -130,6 +145,23 @@ Tables tables_of(const Pixels& pixels, Bytes* out) {
     }
   }
   return tables;
+}
+
+Bytes coded(const Pixels& pixels, const Tables& tables, int bits) {
+  const int low_bits = std::min(bits, kLowBits);
+  RansEncoder stream;  // last pixel first
+  auto far = pixels.far.rbegin();
+  for (auto pixel = pixels.coded.rbegin(); pixel != pixels.coded.rend(); ++pixel) {
+    if (pixel->symbol == kFar) {
+      if (bits > low_bits) stream.put_bits(*far >> low_bits, bits - low_bits);
+      stream.put_bits(*far++ & ((1U << low_bits) - 1), low_bits);
+    }
+    const Range range = tables[pixel->context][pixel->symbol];
+    stream.put(range.start, range.frequency);
+  }
+  Bytes out;
+  stream.finish(&out);
+  return out;
 }
 
 // The same for reading: the symbol that each of [0, kRansOne) belongs to in a context, and its
@@ -173,36 +205,80 @@ bool read_values(Source* source, std::vector<std::uint16_t>* values) {
   return true;
 }
 
-bool read_pixels(RansDecoder stream, const ReadTables& tables,
-                 const std::vector<std::uint16_t>& values, cv::Mat* depth_mm) {
-  const int highest = static_cast<int>(values.size()) - 1;
-  const int bits = bits_of(highest), low_bits = std::min(bits, kLowBits);
-  DepthGuess guesses(depth_mm->cols, highest);
-  for (int v = 0; v < depth_mm->rows; ++v) {
-    auto* row = depth_mm->ptr<std::uint16_t>(v);
-    DepthGuess::Row guesses_here = guesses.begin_row();
-    for (int u = 0; u < depth_mm->cols; ++u) {
-      const DepthGuess::Guess guess = guesses_here.guess();
-      const auto context = static_cast<std::size_t>(guess.context);
-      const int symbol = tables.symbols[context * kRansOne + stream.peek()];
-      const Range range = tables.ranges[context][static_cast<std::size_t>(symbol)];
-      if (range.frequency == 0) return false;
-      stream.take(stream.peek() - range.start, range.frequency);
-      int rank = guess.rank + symbol - kFurthest;
-      if (symbol >= kNone) {
-        rank = 0;
-        if (symbol == kFar) {
-          rank = static_cast<int>(stream.take_bits(low_bits));
-          if (bits > low_bits)
-            rank |= static_cast<int>(stream.take_bits(bits - low_bits) << low_bits);
-        }
+// One half of an image while it is read.
+struct Reading {
+  RansDecoder stream;
+  DepthGuess guesses;
+};
+
+// What is the same for all pixels.
+struct Known {
+  const ReadTables& tables;
+  const std::vector<std::uint16_t>& values;
+  int highest_rank, bits, low_bits;
+
+  // The next pixel's depth, mm; false when the bytes are damaged.
+  bool read(RansDecoder* stream, DepthGuess::Row* row, std::uint16_t* depth_mm) const {
+    const DepthGuess::Guess guess = row->guess();
+    const auto context = static_cast<std::size_t>(guess.context);
+    const int symbol = tables.symbols[context * kRansOne + stream->peek()];
+    const Range range = tables.ranges[context][static_cast<std::size_t>(symbol)];
+    if (range.frequency == 0) return false;
+    stream->take(stream->peek() - range.start, range.frequency);
+    int rank = guess.rank + symbol - kFurthest;
+    if (symbol >= kNone) {
+      rank = 0;
+      if (symbol == kFar) {
+        rank = static_cast<int>(stream->take_bits(low_bits));
+        if (bits > low_bits)
+          rank |= static_cast<int>(stream->take_bits(bits - low_bits) << low_bits);
       }
-      if (rank < (symbol == kNone ? 0 : 1) || rank > highest) return false;
-      row[u] = values[static_cast<std::size_t>(rank)];
-      guesses_here.put(rank, guess);
     }
+    if (rank < (symbol == kNone ? 0 : 1) || rank > highest_rank) return false;
+    *depth_mm = values[static_cast<std::size_t>(rank)];
+    row->put(rank, guess);
+    return true;
   }
-  return stream.at_end();
+};
+
+bool read_row(const Known& known, Reading* half, cv::Mat* depth_mm, int v) {
+  auto* depths = depth_mm->ptr<std::uint16_t>(v);
+  DepthGuess::Row row = half->guesses.begin_row();
+  for (int u = 0; u < depth_mm->cols; ++u)
+    if (!known.read(&half->stream, &row, depths + u)) return false;
+  return true;
+}
+
+// A row of each half, pixel by pixel in turn.
+bool read_rows(const Known& known, Reading* upper, Reading* lower, std::array<cv::Mat, 2>* image,
+               int v) {
+  auto* depths = (*image)[0].ptr<std::uint16_t>(v);
+  auto* others = (*image)[1].ptr<std::uint16_t>(v);
+  DepthGuess::Row row = upper->guesses.begin_row(), other = lower->guesses.begin_row();
+  RansDecoder stream = upper->stream, second = lower->stream;
+  for (int u = 0; u < (*image)[0].cols; ++u)
+    if (!known.read(&stream, &row, depths + u) || !known.read(&second, &other, others + u))
+      return false;
+  upper->stream = stream;
+  lower->stream = second;
+  return true;
+}
+
+bool read_pixels(Source source, const ReadTables& tables, const std::vector<std::uint16_t>& values,
+                 cv::Mat* depth_mm) {
+  const std::size_t first = source.number();
+  if (!source.good || first > source.rest_bytes()) return false;
+  const int highest = static_cast<int>(values.size()) - 1, bits = bits_of(highest);
+  const Known known{tables, values, highest, bits, std::min(bits, kLowBits)};
+  Reading upper{RansDecoder(source.rest(), first), DepthGuess(depth_mm->cols, highest)};
+  Reading lower{RansDecoder(source.rest() + first, source.rest_bytes() - first),
+                DepthGuess(depth_mm->cols, highest)};
+  std::array<cv::Mat, 2> image = halves(*depth_mm);
+  for (int v = 0; v < image[0].rows; ++v)
+    if (!(v < image[1].rows ? read_rows(known, &upper, &lower, &image, v)
+                            : read_row(known, &upper, &image[0], v)))
+      return false;
+  return upper.stream.at_end() && lower.stream.at_end();
 }
 
 }  // namespace
@@ -212,26 +288,18 @@ Bytes encode_packed_depth(const cv::Mat& depth_mm) {
       depth_mm.rows > kMaxImageSide)
     throw std::invalid_argument("encode_packed_depth: not a depth image");
   const std::vector<std::uint16_t> values = values_of(depth_mm);
-  const Pixels pixels = look_at(depth_mm, values);
+  const std::array<Pixels, 2> pixels = look_at(depth_mm, values);
   Bytes out(kHeaderBytes, 0);
   put_number(static_cast<std::uint32_t>(values.size() - 1), &out);
   for (std::size_t i = 1; i < values.size(); ++i)
     put_number(static_cast<std::uint32_t>(values[i] - values[i - 1]), &out);
   const Tables tables = tables_of(pixels, &out);
 
-  const int bits = bits_of(static_cast<int>(values.size()) - 1),
-            low_bits = std::min(bits, kLowBits);
-  RansEncoder stream;  // last pixel first
-  auto far = pixels.far.rbegin();
-  for (auto pixel = pixels.coded.rbegin(); pixel != pixels.coded.rend(); ++pixel) {
-    if (pixel->symbol == kFar) {
-      if (bits > low_bits) stream.put_bits(*far >> low_bits, bits - low_bits);
-      stream.put_bits(*far++ & ((1U << low_bits) - 1), low_bits);
-    }
-    const Range range = tables[pixel->context][pixel->symbol];
-    stream.put(range.start, range.frequency);
-  }
-  stream.finish(&out);
+  const int bits = bits_of(static_cast<int>(values.size()) - 1);
+  const Bytes upper = coded(pixels[0], tables, bits), lower = coded(pixels[1], tables, bits);
+  put_number(static_cast<std::uint32_t>(upper.size()), &out);
+  out.insert(out.end(), upper.begin(), upper.end());
+  out.insert(out.end(), lower.begin(), lower.end());
 
   const std::uint32_t crc = crc32_of(out.data() + kHeaderBytes, out.size() - kHeaderBytes);
   out[0] = kVersion;
@@ -259,7 +327,7 @@ std::optional<cv::Mat> decode_packed_depth(const Bytes& bytes, int width_px, int
               read_values(&source, &values) && read_tables(&source, &tables);
   if (good) {
     depth_mm.create(height_px, width_px, CV_16UC1);
-    good = read_pixels(RansDecoder(source.rest(), source.rest_bytes()), tables, values, &depth_mm);
+    good = read_pixels(source, tables, values, &depth_mm);
   }
   if (!good) return *why = "packed depth is damaged or of another size", std::nullopt;
   return depth_mm;

@@ -12,7 +12,8 @@ namespace fusion_slam {
 
 // How images go over the wire. Plain: zlib's depth is bot_core's own DEPTH_MM_ZIPPED, which every
 // program of a lab reads. Packed: depth as in libs/camera/packed_depth, which only ours reads, JPEG
-// with Huffman tables of its own; half of the network for 6 ms of a processor a frame.
+// with Huffman tables of its own; half of the network for 3 ms more of a processor a frame on
+// either side.
 enum class ImageCoding { kPlain, kPacked };
 
 // Packed depth's image_type, which bot_core leaves free: programs that don't know it find no depth.

@@ -90,7 +90,9 @@ TEST(PackedDepth, GoldenBytes) {
     }
     golden.insert(golden.end(), {30, 1, 0x80, 0x10});  // symbol 30 alone, 2048 of 2048
   }
-  golden.insert(golden.end(), {0, 0, 1, 0});  // the state: nothing was left to say
+  golden.push_back(4);  // bytes of the upper half
+  for (int half = 0; half < 2; ++half)
+    golden.insert(golden.end(), {0, 0, 1, 0});  // the state: nothing was left to say
   EXPECT_EQ(coded, golden);
 }
 
