@@ -271,8 +271,8 @@ void Conductor::step_until_quiet(bool all) {
   }
 }
 
-// Whether the event waits for the step of the next. Handlers get it before what is later, and
-// nothing comes of it at once; so for them nothing changes.
+// Whether the event waits for the step of the next. Handlers get it before what is later, as ever;
+// what they publish because of it, if anything, comes one event later.
 bool Conductor::goes_later(const LogEvent& event) {
   if (options_.mode != Mode::kLockstep || options_.inert.count(event.channel) == 0) return false;
   const auto utime_us = peek_utime(event.data.data(), event.data.size());

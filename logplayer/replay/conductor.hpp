@@ -3,8 +3,8 @@
 // Lockstep, after an event: every process handles in one step the messages that the step before
 // brought forth (bulk synchronous processing, Valiant 1990), in canonical order, until no message
 // is unhandled. What a process sees therefore depends on the log alone, not on the network's or the
-// scheduler's timing. Two things save waiting and leave that so: what brings forth
-// nothing (`inert`) is handled in the step of the next later event; and processes that no pose
+// scheduler's timing. Two things save waiting and leave that so: what brings forth hardly anything
+// (`inert`) is handled in the step of the next later event; and processes that no pose
 // waits for
 // (`behind`) may work on while others go on, until there is new work for them or a number of sensor
 // events has been played: only then is what they have published counted. Throughput: a bounded
@@ -33,7 +33,7 @@ namespace fusion_slam {
 struct ConductorOptions {
   Mode mode = Mode::kLockstep;         // or kThroughput
   std::vector<std::string> processes;  // names in STATUS of those who must digest everything
-  std::set<std::string> inert;         // lockstep: channels whose handlers publish nothing
+  std::set<std::string> inert;         // lockstep: channels whose handlers publish hardly anything
   std::set<std::string> behind;        // lockstep: those of them that others need not wait for
   int most_behind = 2;                 // events of camera or LiDAR
   int most_in_flight = 24;             // throughput: unhandled messages a process may have
