@@ -96,6 +96,8 @@ struct PoseGraphConfig {
   // true: and waited for then, replays give the same bytes. false, on a robot: it is taken over
   // when it is there; no pose ever waits for it.
   bool wait_for_solver = true;
+  // Then: of a core, over time. With thousands of loops there is always one that doesn't fit.
+  double solver_share = 0.25;
   std::function<void()> solver_begins;  // tests: called in the solver's thread
   int switch_off_after = 2;             // whole solves in a row that a loop did not fit
 

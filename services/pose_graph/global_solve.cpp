@@ -36,8 +36,12 @@ std::shared_ptr<const BundleQuestion> PoseGraph::bundle_question() {
   return question;
 }
 
+// Live a new one begins when the last one has been rested from, so that the solver has its share
+// of a core and no more, however many loops keep coming.
 void PoseGraph::start_global_solve(bool with_bundle) {
   if (background_ || nodes_.empty()) return;
+  solve_wanted_ = newest_utime_us_ < rest_until_us_ && !finishing_;
+  if (solve_wanted_) return;
   GlobalSolve question;
   if (with_bundle) question.bundle = bundle_question();
   question.config = config_;
@@ -50,11 +54,15 @@ void PoseGraph::start_global_solve(bool with_bundle) {
       newest_utime_us_ + (with_bundle ? config_.bundle.meet_after_us : config_.meet_after_us);
   background_->answer = std::async(std::launch::async, [question = std::move(question)]() mutable {
     if (question.config.solver_begins) question.config.solver_begins();
+    const auto began = std::chrono::steady_clock::now();
     question.report =
         solve_graph(question.config, question.options, &question.nodes, &question.edges);
     if (question.bundle)
       question.bundle_report = adjust_globally(question.config, question.options, *question.bundle,
                                                &question.nodes, &question.edges);
+    question.took_us = std::chrono::duration_cast<std::chrono::microseconds>(
+                           std::chrono::steady_clock::now() - began)
+                           .count();
     return std::move(question);
   });
 }
@@ -71,6 +79,10 @@ void PoseGraph::meet_global_solve(bool now) {
   for (auto& [id, node] : answer.nodes)
     node.T_map_base = orthonormal(background_->T_now_then * node.T_map_base);
   background_.reset();
+  if (!config_.wait_for_solver)
+    rest_until_us_ =
+        newest_utime_us_ + static_cast<std::int64_t>(static_cast<double>(answer.took_us) *
+                                                     (1.0 / config_.solver_share - 1.0));
   const std::size_t asked = answer.edges.size();
   const bool pulls =
       std::any_of(edges_.begin() + static_cast<std::ptrdiff_t>(asked), edges_.end(),

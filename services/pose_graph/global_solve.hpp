@@ -19,6 +19,7 @@ struct GlobalSolve {                             // question and answer
   GraphNodes nodes;
   std::vector<GraphEdge> edges;
   SolveReport report;
+  std::int64_t took_us = 0;  // of the clock on the wall; live only
 };
 
 struct BackgroundSolve {

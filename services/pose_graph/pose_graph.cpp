@@ -49,6 +49,7 @@ void PoseGraph::clock_was_set_back(std::int64_t utime_us) {
   waiting_ties_.erase(waiting_ties_.lower_bound({utime_us + kBack_us, NodeId{}}),
                       waiting_ties_.end());
   newest_utime_us_ = std::min(newest_utime_us_, utime_us + kBack_us);
+  rest_until_us_ = 0;
   if (last_pose_) last_pose_->utime_us = std::min(last_pose_->utime_us, utime_us);
 }
 
@@ -121,6 +122,7 @@ void PoseGraph::settle() {
   thin();
   if (take_loops() && !rebuilding_) solve({});
   if (!rebuilding_ && bundle_is_due()) start_global_solve(true);
+  if (!rebuilding_ && solve_wanted_) start_global_solve(false);
   say_poses();
 }
 

@@ -1,5 +1,8 @@
 // Global bundle adjustment as a part of the pose graph: when it is asked for, where it is met.
+#include <atomic>
+#include <chrono>
 #include <future>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -92,6 +95,36 @@ TEST(BundleInGraph, OnARobotNothingWaitsForIt) {
   graph.finish();
   EXPECT_GE(graph.counts().bundles, 1) << graph.last_bundle().reason;
   EXPECT_LT(drive.room.worst_m(graph.nodes()), 0.06);
+}
+
+// Loops that don't fit keep coming: on a robot the solver has its share of a core and no more.
+TEST(BundleInGraph, OnARobotTheSolverRests) {
+  const Drive drive{MadeUpRoom(kKeyframes, 300, 0.01, 0.004, 1), 30};
+  std::atomic<int> n_solves{0};
+  PoseGraphConfig config;
+  config.wait_for_solver = false;
+  config.meet_after_us = 0;
+  config.solver_share = 1e-9;  // once, and then never again
+  config.solver_begins = [&] { ++n_solves; };
+  PoseGraph graph(config);
+  graph.set_robot(robot(drive.room, true));
+  for (std::size_t k = 0; k < 30; ++k) graph.add_node(drive.keyframe(k));
+  const auto contradict = [&](std::size_t from, std::size_t to) {
+    LoopInput wrong = drive.loop(from, to);
+    wrong.T_from_to = wrong.T_from_to * from_xyz_rpy(3.0, 0, 0, 0, 0, 0);
+    graph.add_loop(wrong);
+  };
+  contradict(1, 25);
+  while (n_solves == 0) std::this_thread::yield();
+  for (std::size_t k = 30; k < kKeyframes; ++k) {
+    // Slow or fast: the answer is there before the next node asks for it.
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    graph.add_node(drive.keyframe(k));
+    contradict(k - 28, k - 1);
+  }
+  EXPECT_EQ(n_solves, 1);
+  graph.finish();
+  EXPECT_GT(n_solves, 1);
 }
 
 TEST(BundleInGraph, NoCameraModelNoBundle) {
