@@ -16,6 +16,7 @@ constexpr int kShift = 16;     // cells, fixed point
 // The newest submaps of a tile still grow: the base ends below them.
 constexpr std::size_t kGrowing = 2;
 constexpr std::size_t kWorthABase = 2;  // submaps in it
+constexpr std::size_t kOpen = 4;        // submaps that are not packed: those that may grow
 constexpr std::size_t kCells = static_cast<std::size_t>(kTileCells) * kTileCells;
 
 std::array<std::int16_t, 256> make_log_odds() {
@@ -78,18 +79,55 @@ GridMosaic::GridMosaic(double resolution_m, double slack_cells)
 void GridMosaic::set_tile(std::int64_t submap_id, const TileIndex& index, const TileCells& cells,
                           double resolution_m) {
   Submap& submap = submaps_[submap_id];
-  if (!submap.grid) submap.grid.emplace(resolution_m);
-  const auto [it, made] = submap.grid->tiles().try_emplace(index, cells);
-  const CellBox box = made ? kWhole : difference(it->second, cells);
+  if (!submap.grid) submap.grid = Grid{resolution_m, {}};
+  const auto [it, made] = submap.grid->tiles.try_emplace(index);
+  if (made)
+    it->second.open = std::make_unique<TileCells>(cells);
+  else
+    open(&it->second);
+  open_.insert(submap_id);
+  const CellBox box = made ? kWhole : difference(*it->second.open, cells);
   if (box.empty()) return;
-  it->second = cells;
+  *it->second.open = cells;
   submap.changed[index].include(box);
 }
 
 void GridMosaic::erase_tile(std::int64_t submap_id, const TileIndex& index) {
   const auto it = submaps_.find(submap_id);
   if (it == submaps_.end() || !it->second.grid) return;
-  if (it->second.grid->tiles().erase(index) != 0) it->second.changed[index] = kWhole;
+  if (it->second.grid->tiles.erase(index) != 0) it->second.changed[index] = kWhole;
+}
+
+void GridMosaic::open(Cells* cells) {
+  if (cells->open) return;
+  cells->open = std::make_unique<TileCells>();
+  if (const auto raw =
+          inflate_bytes(cells->packed.data(), cells->packed.size(), cells->open->size()))
+    std::copy(raw->begin(), raw->end(), cells->open->begin());  // all: deflated by pack_old()
+  cells->packed = {};
+}
+
+void GridMosaic::pack_old() {
+  while (open_.size() > kOpen) {
+    for (auto& [index, cells] : submaps_.at(*open_.begin()).grid->tiles) {
+      if (!cells.open) continue;
+      cells.packed =
+          deflate_bytes(std::vector<std::uint8_t>(cells.open->begin(), cells.open->end()));
+      cells.packed.shrink_to_fit();
+      cells.open.reset();
+    }
+    open_.erase(open_.begin());
+  }
+}
+
+std::size_t GridMosaic::submap_bytes() const {
+  std::size_t sum = 0;
+  for (const auto& [id, submap] : submaps_) {
+    if (!submap.grid) continue;
+    for (const auto& [index, cells] : submap.grid->tiles)
+      sum += cells.open ? cells.open->size() : cells.packed.size();
+  }
+  return sum;
 }
 
 void GridMosaic::set_pose(std::int64_t submap_id, const SE2& T_map_submap) {
@@ -102,8 +140,8 @@ bool GridMosaic::needs_placing(const Submap& submap, bool exact) const {
   const SE2 &a = *submap.T_map_submap, &b = *submap.placed;
   if (a.x == b.x && a.y == b.y && a.yaw == b.yaw) return false;
   double moved_m = 0.0;
-  for (const auto& [index, cells] : submap.grid->tiles())
-    for (const Eigen::Vector2d& corner : corners_m(index, kWhole, submap.grid->resolution_m()))
+  for (const auto& [index, cells] : submap.grid->tiles)
+    for (const Eigen::Vector2d& corner : corners_m(index, kWhole, submap.grid->resolution_m))
       moved_m = std::max(moved_m, (a * corner - b * corner).norm());
   return moved_m > (exact ? 0.0 : slack_m_);
 }
@@ -113,7 +151,7 @@ void GridMosaic::mark(std::int64_t id, const Submap& submap, const TileIndex& ow
                       const CellBox& cells, Dirty* dirty) {
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9);
   Eigen::Vector2d high = -low;
-  for (const Eigen::Vector2d& corner : corners_m(own, cells, submap.grid->resolution_m())) {
+  for (const Eigen::Vector2d& corner : corners_m(own, cells, submap.grid->resolution_m)) {
     low = low.cwiseMin(*submap.placed * corner);
     high = high.cwiseMax(*submap.placed * corner);
   }
@@ -135,7 +173,7 @@ void GridMosaic::mark(std::int64_t id, const Submap& submap, const TileIndex& ow
 void GridMosaic::cover(Submap* submap) {
   submap->covers.clear();
   Dirty touched;
-  for (const auto& [index, cells] : submap->grid->tiles())
+  for (const auto& [index, cells] : submap->grid->tiles)
     mark(INT64_MAX, *submap, index, kWhole, &touched);
   for (const auto& [index, box] : touched) submap->covers.insert(index);
 }
@@ -149,11 +187,10 @@ std::set<TileIndex> GridMosaic::recompose(bool exact) {
       for (const auto& [index, box] : submap.changed) mark(id, submap, index, box, &dirty);
     if (place) {
       if (submap.placed)
-        for (const auto& [index, cells] : submap.grid->tiles())
+        for (const auto& [index, cells] : submap.grid->tiles)
           mark(id, submap, index, kWhole, &dirty);
       submap.placed = submap.T_map_submap;
-      for (const auto& [index, cells] : submap.grid->tiles())
-        mark(id, submap, index, kWhole, &dirty);
+      for (const auto& [index, cells] : submap.grid->tiles) mark(id, submap, index, kWhole, &dirty);
     }
     submap.changed.clear();
     for (const TileIndex& index : submap.covers) covered_by_[index].erase(id);
@@ -163,6 +200,7 @@ std::set<TileIndex> GridMosaic::recompose(bool exact) {
   std::set<TileIndex> changed;
   for (const auto& [index, box] : dirty)
     if (compose_tile(index, box)) changed.insert(index);
+  pack_old();
   return changed;
 }
 
@@ -209,7 +247,7 @@ bool GridMosaic::compose_tile(const TileIndex& index, const CellBox& box) {
 void GridMosaic::add(const Submap& submap, const TileIndex& index, const CellBox& box,
                      Sums* sums) const {
   static const auto kLogOdds = make_log_odds();
-  const double scale = 1.0 / submap.grid->resolution_m();
+  const double scale = 1.0 / submap.grid->resolution_m;
   const SE2 inverse = submap.placed->inverse();
   const Eigen::Matrix2d R = Eigen::Rotation2Dd(inverse.yaw).toRotationMatrix();
   const Eigen::Vector2d t(inverse.x, inverse.y);
@@ -219,6 +257,7 @@ void GridMosaic::add(const Submap& submap, const TileIndex& index, const CellBox
   const auto fixed = [one](double v) { return static_cast<std::int64_t>(std::llround(v * one)); };
   const std::int64_t step_x = fixed(R(0, 0) * r * scale);
   const std::int64_t step_y = fixed(R(1, 0) * r * scale);
+  std::map<TileIndex, Cells> opened;  // of a packed submap: a few lie below a tile of the map
   TileIndex held{INT32_MAX, INT32_MAX};
   const TileCells* cells = nullptr;
   for (int y = box.y0; y < box.y1; ++y) {
@@ -235,8 +274,14 @@ void GridMosaic::add(const Submap& submap, const TileIndex& index, const CellBox
       const auto j = static_cast<std::int32_t>(py >> kShift);
       if ((i >> 6) != held.first || (j >> 6) != held.second) {
         held = {i >> 6, j >> 6};
-        const auto it = submap.grid->tiles().find(held);
-        cells = it == submap.grid->tiles().end() ? nullptr : &it->second;
+        const auto it = submap.grid->tiles.find(held);
+        cells = it == submap.grid->tiles.end() ? nullptr : it->second.open.get();
+        if (it != submap.grid->tiles.end() && cells == nullptr) {
+          Cells& copy = opened[held];
+          if (!copy.open) copy.packed = it->second.packed;
+          open(&copy);
+          cells = copy.open.get();
+        }
       }
       if (cells == nullptr) continue;
       const std::int16_t says = kLogOdds[(*cells)[cell_at(i & 63, j & 63)]];

@@ -5,11 +5,13 @@
 // clamped at each step: a few new observations outweigh however many old ones, so what has been
 // moved away goes. The result does not depend on the order in which anything arrived.
 // Fast because it computes little: only the cells that a change can reach, on top of what the older
-// submaps of a tile say together, which is remembered. Not thread-safe.
+// submaps of a tile say together, which is remembered. Small because submaps that no longer grow
+// are kept deflated, a tenth of their size. Not thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <vector>
@@ -48,9 +50,20 @@ class GridMosaic {
   // Tiles in which no cell is known are absent.
   const TiledGrid& map() const { return map_; }
 
+  std::size_t submap_bytes() const;  // what the submaps' cells take
+
  private:
+  // A tile as it came, or deflated.
+  struct Cells {
+    std::unique_ptr<TileCells> open;  // null: packed
+    std::vector<std::uint8_t> packed;
+  };
+  struct Grid {
+    double resolution_m = 0.0;
+    std::map<TileIndex, Cells> tiles;
+  };
   struct Submap {
-    std::optional<TiledGrid> grid;
+    std::optional<Grid> grid;
     std::optional<SE2> T_map_submap;       // the graph's
     std::optional<SE2> placed;             // the one in map()
     std::map<TileIndex, CellBox> changed;  // of its own tiles, since recompose()
@@ -67,12 +80,15 @@ class GridMosaic {
   void mark(std::int64_t id, const Submap& submap, const TileIndex& own, const CellBox& cells,
             Dirty* dirty);
   void cover(Submap* submap);
+  static void open(Cells* cells);
+  void pack_old();
   bool compose_tile(const TileIndex& index, const CellBox& box);
   void add(const Submap& submap, const TileIndex& index, const CellBox& box, Sums* sums) const;
 
   TiledGrid map_;
   double slack_m_;
   std::map<std::int64_t, Submap> submaps_;
+  std::set<std::int64_t> open_;                             // those of submaps_ that are not packed
   std::map<TileIndex, std::set<std::int64_t>> covered_by_;  // of map(), by submaps
   std::map<TileIndex, Base> bases_;
 };

@@ -128,6 +128,8 @@ void run_mosaic(const std::vector<Input>& inputs) {
   }
   const double before = cpu_ms();
   mosaic.recompose(true);
+  std::printf("submaps hold %.2f MB, packed but for the newest\n",
+              1e-6 * static_cast<double>(mosaic.submap_bytes()));
   all.add(before);
   all.print("grid_mosaic");
 }

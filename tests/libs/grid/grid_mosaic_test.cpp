@@ -191,5 +191,40 @@ TEST(GridMosaic, SmallMovesWaitUntilExact) {
   EXPECT_FALSE(mosaic.recompose(false).empty());
 }
 
+// Submaps that no longer grow are packed: composed of them, the map is as of whole ones (a first
+// recompose() finds none packed), also when an old one moves or still gets a tile.
+TEST(GridMosaic, PackedSubmapsComposeAsWholeOnes) {
+  constexpr int kSubmaps = 12;
+  std::mt19937 random(4);
+  std::vector<TileCells> cells;
+  for (int id = 0; id < kSubmaps; ++id) {
+    cells.push_back(all(0));
+    for (std::size_t i = 0; i < 400; ++i)
+      cells.back()[i * 7] = static_cast<std::uint8_t>(random() % 3 == 0 ? 30 : 220);
+  }
+  const TileCells late = random_cells(&random);
+  const auto pose = [](int id) { return SE2{0.31 * id, -0.17 * id, 0.2 * id}; };
+  GridMosaic mosaic(kResolution);
+  for (int id = 0; id < kSubmaps; ++id) {
+    mosaic.set_tile(id, {0, 0}, cells[static_cast<std::size_t>(id)], kResolution);
+    mosaic.set_pose(id, pose(id));
+    mosaic.recompose(false);
+  }
+  EXPECT_LT(mosaic.submap_bytes(), kSubmaps * cells[0].size() / 2);
+  mosaic.set_pose(1, pose(3));
+  mosaic.set_tile(2, {1, 0}, late, kResolution);
+  mosaic.erase_tile(5, {0, 0});
+  mosaic.recompose(true);
+
+  GridMosaic whole(kResolution);
+  for (int id = 0; id < kSubmaps; ++id) {
+    if (id != 5) whole.set_tile(id, {0, 0}, cells[static_cast<std::size_t>(id)], kResolution);
+    whole.set_pose(id, pose(id == 1 ? 3 : id));
+  }
+  whole.set_tile(2, {1, 0}, late, kResolution);
+  whole.recompose(true);
+  EXPECT_EQ(mosaic.map().tiles(), whole.map().tiles());
+}
+
 }  // namespace
 }  // namespace fusion_slam

@@ -126,5 +126,32 @@ TEST_F(DenseMapperProcessTest, ResetEmptiesTheMapAndTheNextBeginsAtAnyId) {
   EXPECT_TRUE(bus_.status().last_error.empty()) << bus_.status().last_error;
 }
 
+// 60 keyframes of a place that it knows come at once: it says that it leaves some out, and nothing
+// waits in the end.
+TEST_F(DenseMapperProcessTest, LeavesOutKnownPlacesWhenItIsBehind) {
+  publish_models();
+  keyframe_image_t one = image(1, 1'000'000);
+  const auto see = [&](std::int64_t id) {
+    one.id = id;
+    one.utime = id * 1'000'000;
+    world_.publish("KEYFRAME_IMAGE", one);
+    publish_graph(id, one.utime);
+  };
+  const auto says = [&](const std::string& text) {
+    return bus_.status().state_text.find(text) != std::string::npos;
+  };
+  for (std::int64_t id = 1; id <= 5; ++id) see(id);  // a submap
+  ASSERT_TRUE(soon([&] { return says("5 keyframes mapped, 0 wait"); }));
+  EXPECT_FALSE(says("left out"));
+  for (std::int64_t id = 6; id <= 65; ++id) see(id);
+  for (int i = 0; i < 60'000 && bus_.status().queue < 120; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  ASSERT_EQ(bus_.status().queue, 120);
+  EXPECT_TRUE(soon([&] { return says("65 keyframes mapped, 0 wait"); }))
+      << bus_.status().state_text;
+  EXPECT_TRUE(says("left out")) << bus_.status().state_text;
+  EXPECT_TRUE(bus_.status().last_error.empty()) << bus_.status().last_error;
+}
+
 }  // namespace
 }  // namespace fusion_slam
