@@ -7,6 +7,7 @@
 #include "fusion_slam/graph_t.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
+#include "libs/process/memory.hpp"
 #include "services/pose_graph/graph_messages.hpp"
 
 namespace fusion_slam {
@@ -14,7 +15,8 @@ namespace {
 
 constexpr std::size_t kNodesPerPart = 400;          // 400 * 81 bytes: one datagram
 constexpr std::int64_t kRevisionsPerComplete = 50;  // a listener that lost a message is whole again
-constexpr int kTellPeriodMs = 1000;                 // live: and one that started late, too
+constexpr std::size_t kSpareMemoryBytes = 16 << 20;
+constexpr int kTellPeriodMs = 1000;  // live: and one that started late, too
 
 PoseGraphConfig config_for(Mode mode) {
   PoseGraphConfig config;
@@ -186,6 +188,9 @@ void PoseGraphProcess::publish_news() {
   for (const auto& [n_placed, retirement] : graph_.take_retirements())
     bus_.note("RETIRED", to_message(retirement, graph_.newest_utime_us(), n_placed));
   for (const PoseOutput& pose : graph_.take_poses()) publish_pose(pose);
+  // A solve of the whole graph takes many times what the graph does, for a moment.
+  if (std::exchange(solves_, graph_.counts().solves) != graph_.counts().solves)
+    give_back_memory(kSpareMemoryBytes);
 }
 
 void PoseGraphProcess::publish_complete() {

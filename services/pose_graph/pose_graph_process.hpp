@@ -54,6 +54,7 @@ class PoseGraphProcess {
   PoseGraph graph_;
   std::int64_t revision() const;       // as published: never lower than what was published before
   PoseGraph::Earlier earlier_;         // what the journal says of an earlier process
+  std::int64_t solves_ = 0;            // when memory was last given back
   std::int64_t last_complete_ = 0;     // revision of graph_
   NodeId last_told_;                   // the nodes behind it are said next
   std::map<std::string, int> peers_;   // process and its number; the reader's thread alone

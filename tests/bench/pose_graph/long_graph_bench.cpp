@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <malloc.h>
@@ -13,6 +14,7 @@
 #include "libs/eventlog/reader.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
+#include "libs/process/memory.hpp"
 #include "services/pose_graph/graph_messages.hpp"
 #include "services/pose_graph/pose_graph.hpp"
 #include "tests/support/decoded.hpp"
@@ -21,9 +23,9 @@
 namespace fusion_slam {
 namespace {
 
-double rss_mb() {
-  malloc_trim(0);
-  return resident_mb();
+double in_use_mb() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd) * 1e-6;
 }
 
 class LongRun {
@@ -34,28 +36,33 @@ class LongRun {
     for (const auto& change : graph.take_changes()) said_ += change.first.id > 0 ? 1 : 0;
     graph.take_poses();
     graph.take_retirements();
+    if (std::exchange(solves_, graph.counts().solves) != graph.counts().solves)  // as the process
+      trims_ += give_back_memory(16 << 20) ? 1 : 0;
     const double took_s = 1e-3 * process_cpu_ms() - before_s;
     ++messages_;
     sum_s_ += took_s;
     worst_s_ = std::max(worst_s_, took_s);
     const std::int64_t now_us = graph.newest_utime_us();
     if (first_us_ == 0) first_us_ = now_us;
-    const double minute = static_cast<double>(now_us - first_us_) * 1e-6 / 60.0;
-    if (minute < next_minute_) return;
-    row(minute);
+    minute_ = static_cast<double>(now_us - first_us_) * 1e-6 / 60.0;
+    if (minute_ < next_minute_) return;
+    row(minute_);
     next_minute_ += step;
   }
 
   void row(double minute) {
     const PoseGraphCounts& n = graph.counts();
-    std::printf("%.1f,%.1f,%zu,%zu,%zu,%ld,%ld,%ld,%.3f,%.1f,%ld,%.2f\n", minute, rss_mb(),
-                graph.nodes().size(), graph.n_nodes(), graph.edges().size(), n.loops, n.solves,
-                n.bundles + n.bundles_refused, 1e3 * sum_s_ / static_cast<double>(messages_),
-                1e3 * worst_s_, said_, 1e-3 * process_cpu_ms());
+    std::printf("%.1f,%.1f,%.1f,%zu,%zu,%zu,%ld,%ld,%ld,%.3f,%.1f,%ld,%.2f,%ld\n", minute,
+                resident_mb(), in_use_mb(), graph.nodes().size(), graph.n_nodes(),
+                graph.edges().size(), n.loops, n.solves, n.bundles + n.bundles_refused,
+                1e3 * sum_s_ / static_cast<double>(messages_), 1e3 * worst_s_, said_,
+                1e-3 * process_cpu_ms(), trims_);
     std::fflush(stdout);
     messages_ = said_ = 0;
     sum_s_ = worst_s_ = 0.0;
   }
+
+  double minute() const { return minute_; }
 
   PoseGraph graph;
   double step = 1.0;  // minutes a row
@@ -90,7 +97,9 @@ class LongRun {
   }
 
   std::int64_t first_us_ = 0;
+  double minute_ = 0.0;
   double next_minute_ = 0.0;
+  std::int64_t solves_ = 0, trims_ = 0;
   std::int64_t messages_ = 0;
   std::int64_t said_ = 0;
   double sum_s_ = 0.0;
@@ -110,12 +119,15 @@ int run(int argc, char** argv) {
   app.add_option("--step", bench.step, "minutes a row")->check(CLI::PositiveNumber);
   app.add_flag("!--no-bundle", bench.use_bundle, "no bundle adjustment");
   app.add_option("--poses", poses, "file for where the nodes are at the end");
+  double minutes = 1e9;
+  app.add_option("--minutes", minutes, "stop after so many minutes of drive");
   CLI11_PARSE(app, argc, argv);
   std::printf(
-      "minute,rss_mb,unknowns,nodes,edges,loops,solves,bundles,ms_a_message,worst_ms,said,cpu_s\n");
+      "minute,rss_mb,in_use_mb,unknowns,nodes,edges,loops,solves,bundles,ms_a_message,worst_ms,"
+      "said,cpu_s,trims\n");
   LogReader reader(journal);
   LogEvent event;
-  while (reader.next(&event)) bench.on(event);
+  while (bench.minute() < minutes && reader.next(&event)) bench.on(event);
   bench.row(99.0);
   std::ofstream file(poses);
   for (const auto& [id, node] : bench.graph.nodes_after({}, bench.graph.n_nodes()))
