@@ -69,7 +69,8 @@ struct PoseGraphConfig {
   double odometry_turn_slip = 0.05;
 
   // A visual edge is doubted when the LiDAR saw the same motion and contradicts it by so much
-  // (sensor_agreement.hpp). Over a longer time the LiDAR's own drift would have to be known.
+  // (sensor_agreement.hpp). Over a longer time than this the camera has found itself again: then
+  // all that the graph knows stands against it (found_again.cpp).
   double agreement_chi2 = 30.0;
   std::int64_t agreement_us = 5'000'000;
 

@@ -141,9 +141,17 @@ bool PoseGraph::place(const NodeInput& node) {
   const NodeId previous{node.id.kind, node.previous_id};
   if (node.previous_id != 0 && known(previous)) {
     const bool lidar = node.id.kind == NodeKind::kLidar;
-    put(node, T_map(previous) * node.T_previous_base);
-    add_edge({lidar ? EdgeKind::kLidar : EdgeKind::kVisual, previous, node.id, node.T_previous_base,
-              node.covariance, 1.0});
+    SE3 T_map_base = T_map(previous) * node.T_previous_base;
+    GraphEdge edge{lidar ? EdgeKind::kLidar : EdgeKind::kVisual,
+                   previous,
+                   node.id,
+                   node.T_previous_base,
+                   node.covariance,
+                   1.0};
+    const bool found_again = !lidar && node.utime_us - utime_us(previous) > config_.agreement_us;
+    if (found_again && !judge_found_again(node, &edge, &T_map_base)) return false;
+    put(node, T_map_base);
+    add_edge(edge);
     return true;
   }
   const bool may_wait = !finishing_ && waiting_nodes_.size() < config_.max_waiting &&

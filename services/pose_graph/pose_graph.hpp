@@ -138,6 +138,9 @@ class PoseGraph {
   bool may_still_come(NodeKind sensor, std::int64_t utime_us) const;
   bool tie_keyframes();
   void doubt_visual_edge(const NodeId& keyframe);
+  bool judge_found_again(const NodeInput& node, GraphEdge* edge, SE3* T_map_base);
+  std::optional<Matrix6d> covariance_between(const NodeId& a, const NodeId& b) const;
+  std::int64_t utime_us(const NodeId& id) const;
   bool take_loops();
   bool was_switched_off(const LoopInput& loop);
   void refine_window();

@@ -50,62 +50,114 @@ TEST(SensorAgreement, ADoubtedEdgeAllowsForTheDifference) {
   EXPECT_FALSE(doubted_covariance({}, then, lidar_says(T, 0.01), true, kGate)) << "once is enough";
 }
 
-// Keyframes each 0.2 s, LiDAR nodes at the same times; the camera errs once, by 0.5 m and 0.2 rad,
-// and is sure to 2 mm.
-struct Drive {
+constexpr std::int64_t kPeriod_us = 200'000;
+SE3 truth(std::int64_t k) { return from_xyz_rpy(0.1 * k, 0, 0, 0, 0, 0.03 * k); }
+
+double error_m(const PoseGraph& graph, std::int64_t k) {
+  const SE3 T = truth(1).inverse() * truth(k);
+  return (graph.nodes().at({NodeKind::kKeyframe, k}).T_map_base.translation() - T.translation())
+      .norm();
+}
+
+// Keyframes each 0.2 s, LiDAR nodes at the same times; what the camera errs it is sure of to 2 mm.
+class Drive {
+ public:
+  Drive(PoseGraph& graph, bool lidar) : graph_(graph), has_lidar_(lidar) {}
+
+  void lidar(std::int64_t k) {
+    if (has_lidar_) add(NodeKind::kLidar, k, k - 1, truth(k - 1).inverse() * truth(k), 0.005);
+  }
+  void keyframe(std::int64_t k, std::int64_t previous, const SE3& error) {
+    add(NodeKind::kKeyframe, k, previous, truth(previous).inverse() * truth(k) * error, 0.002);
+  }
+
+ private:
+  void add(NodeKind kind, std::int64_t k, std::int64_t previous, const SE3& T_step, double sigma) {
+    NodeInput node;
+    node.id = {kind, k};
+    node.utime_us = k * kPeriod_us;
+    node.previous_id = previous;
+    node.T_previous_base = T_step;
+    node.T_odom_base = truth(k);
+    node.covariance = Matrix6d::Identity() * sigma * sigma;
+    PoseInput pose;
+    pose.sensor = kind;
+    pose.utime_us = pose.fix_utime_us = node.utime_us;
+    pose.T_odom_base = truth(k);
+    pose.covariance = node.covariance;
+    pose.state = PoseState::kOk;
+    pose.reference = node.id;
+    graph_.add_node(node);
+    graph_.add_pose(pose);
+  }
+
+  PoseGraph& graph_;
+  bool has_lidar_;
+};
+
+// It errs once, by 0.5 m and 0.2 rad.
+struct Slip {
   PoseGraph graph;
 
-  static SE3 truth(std::int64_t k) { return from_xyz_rpy(0.1 * k, 0, 0, 0, 0, 0.03 * k); }
-
-  explicit Drive(bool lidar) {
+  explicit Slip(bool lidar) {
     RobotModel robot;
     robot.has_camera = robot.planar = true;
     robot.has_lidar = lidar;
     graph.set_robot(robot);
-    SE3 T_odom_camera = SE3::Identity();
+    Drive drive(graph, lidar);
     for (std::int64_t k = 1; k <= 30; ++k) {
-      if (lidar) add(NodeKind::kLidar, k, truth(k - 1).inverse() * truth(k), truth(k), 0.005);
-      SE3 T_step = truth(k - 1).inverse() * truth(k);
-      if (k == 15) T_step = T_step * from_xyz_rpy(0.5, 0, 0, 0, 0, -0.2);
-      T_odom_camera = T_odom_camera * T_step;
-      add(NodeKind::kKeyframe, k, T_step, T_odom_camera, 0.002);
+      drive.lidar(k);
+      drive.keyframe(k, k - 1, k == 15 ? from_xyz_rpy(0.5, 0, 0, 0, 0, -0.2) : SE3::Identity());
     }
     graph.finish();
-  }
-
-  void add(NodeKind kind, std::int64_t k, const SE3& T_step, const SE3& T_odom, double sigma) {
-    NodeInput node;
-    node.id = {kind, k};
-    node.utime_us = k * 200'000;
-    node.previous_id = k - 1;
-    node.T_previous_base = T_step;
-    node.T_odom_base = T_odom;
-    node.covariance = Matrix6d::Identity() * sigma * sigma;
-    graph.add_node(node);
-    PoseInput pose;
-    pose.sensor = kind;
-    pose.utime_us = pose.fix_utime_us = node.utime_us;
-    pose.T_odom_base = T_odom;
-    pose.covariance = node.covariance;
-    pose.state = PoseState::kOk;
-    pose.reference = node.id;
-    graph.add_pose(pose);
-  }
-
-  double error_m(std::int64_t k) const {
-    const SE3 T = truth(1).inverse() * truth(k);
-    return (graph.nodes().at({NodeKind::kKeyframe, k}).T_map_base.translation() - T.translation())
-        .norm();
   }
 };
 
 TEST(SensorAgreement, AWrongEdgeOfTheCameraBendsNothingThatTheLidarSaw) {
-  Drive both(true);
+  Slip both(true);
   EXPECT_EQ(both.graph.counts().edges_doubted, 1);
-  for (std::int64_t k = 1; k <= 30; ++k) EXPECT_LT(both.error_m(k), 0.02) << k;
-  Drive alone(false);
+  for (std::int64_t k = 1; k <= 30; ++k) EXPECT_LT(error_m(both.graph, k), 0.02) << k;
+  Slip alone(false);
   EXPECT_EQ(alone.graph.counts().edges_doubted, 0);
-  EXPECT_GT(alone.error_m(30), 0.4);
+  EXPECT_GT(error_m(alone.graph, 30), 0.4);
+}
+
+// The camera is gone for 10 s (killed) and finds itself again in a place that looks alike.
+struct Return {
+  PoseGraph graph;
+  static constexpr std::int64_t kLast = 90;
+
+  Return(bool lidar, const SE3& error) {
+    RobotModel robot;
+    robot.has_camera = robot.planar = true;
+    robot.has_lidar = lidar;
+    graph.set_robot(robot);
+    Drive drive(graph, lidar);
+    for (std::int64_t k = 1; k <= kLast; ++k) {
+      drive.lidar(k);
+      if (k <= 30) drive.keyframe(k, k - 1, SE3::Identity());
+      if (k == 80) drive.keyframe(k, 5, error);
+      if (k > 80) drive.keyframe(k, k - 1, SE3::Identity());
+    }
+  }
+};
+
+TEST(SensorAgreement, WhereTheCameraFindsItselfAgainIsAskedOfTheGraph) {
+  const SE3 elsewhere = from_xyz_rpy(-4.0, 3.0, 0, 0, 0, 3.0);
+  Return wrong(true, elsewhere);
+  EXPECT_EQ(wrong.graph.counts().edges_doubted, 1);
+  for (std::int64_t k = 80; k <= Return::kLast; ++k) EXPECT_LT(error_m(wrong.graph, k), 0.05) << k;
+  for (const PoseOutput& pose : wrong.graph.take_poses())
+    EXPECT_LT((pose.T_map_base.translation() -
+               (truth(1).inverse() * truth(pose.utime_us / kPeriod_us)).translation())
+                  .norm(),
+              0.05)
+        << "not for a moment, at " << pose.utime_us;
+  Return right(true, SE3::Identity());
+  EXPECT_EQ(right.graph.counts().edges_doubted, 0);
+  Return alone(false, elsewhere);
+  EXPECT_EQ(alone.graph.counts().edges_doubted, 0) << "nobody to ask";
+  EXPECT_GT(error_m(alone.graph, 85), 3.0);
 }
 
 }  // namespace
