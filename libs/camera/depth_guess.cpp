@@ -1,5 +1,6 @@
 #include "libs/camera/depth_guess.hpp"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace fusion_slam {
@@ -16,15 +17,12 @@ DepthGuess::DepthGuess(int width_px, int highest_rank)
 DepthGuess::Row DepthGuess::begin_row() {
   above_that_.swap(above_);
   above_.swap(row_);
-  for (int i = 0; i < kMargin; ++i) {
-    above_[static_cast<std::size_t>(i)] = above_[kMargin];
-    above_[static_cast<std::size_t>(kMargin + width_ + i)] =
-        above_[static_cast<std::size_t>(kMargin + width_ - 1)];
-  }
+  std::fill_n(above_.begin(), kMargin, above_[kMargin]);
+  std::fill_n(above_.end() - kMargin, kMargin, *(above_.end() - kMargin - 1));
   for (int u = 0; u < width_; ++u) {
     const int* above = above_.data() + kMargin + u;
     const int corner = above[-1], up = above[0], right = above[1], far = above[2];
-    const int higher = above_that_[static_cast<std::size_t>(kMargin + u)];
+    const int higher = above_that_.data()[kMargin + u];
     const std::uint8_t* missing = missing_.data() + 1 + u;
     Above& known = known_[static_cast<std::size_t>(u)];
     known.sum = -2 * corner + 10 * up + 12 * right + 16 * far - 15 * higher;

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "libs/compression/zlib_bytes.hpp"
+
 namespace fusion_slam {
 namespace {
 
@@ -72,6 +74,23 @@ TEST(PackedDepth, EachDamagedByteIsNoticed) {
   EXPECT_FALSE(decode_packed_depth(good, 31, 24, &why));
   EXPECT_FALSE(decode_packed_depth(good, 0, 24, &why));
   EXPECT_FALSE(decode_packed_depth(good, 1 << 20, 1 << 20, &why));
+}
+
+// Bytes that somebody else has made: whatever they say, nothing is read or written beside memory.
+TEST(PackedDepth, WrongBytesWithARightChecksumDoNoHarm) {
+  const Bytes good = encode_packed_depth(room(24, 17, 8));
+  std::string why;
+  for (std::size_t i = 5; i < good.size(); ++i)
+    for (const int change : {0x01, 0x80, 0xFF}) {
+      Bytes bad = good;
+      bad[i] = static_cast<std::uint8_t>(bad[i] ^ change);
+      const std::uint32_t crc = crc32_of(bad.data() + 5, bad.size() - 5);
+      for (std::size_t b = 0; b < 4; ++b) bad[1 + b] = static_cast<std::uint8_t>(crc >> (8 * b));
+      const auto depth = decode_packed_depth(bad, 24, 17, &why);
+      if (depth) {
+        EXPECT_EQ(depth->size(), cv::Size(24, 17));
+      }
+    }
 }
 
 // The bytes as docs/formats.md describes them: two pixels of 1000 mm.
