@@ -27,10 +27,14 @@ struct Cells {
         corners(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)) {}
 
   int along(float px) const { return static_cast<int>(px / cell_px); }
-  std::vector<cv::KeyPoint>& at(int column, int row) {
-    return corners[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-                   static_cast<std::size_t>(column)];
+  std::size_t index_of(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
   }
+  std::size_t index_of(const cv::KeyPoint& corner) const {
+    return index_of(along(corner.pt.x), along(corner.pt.y));
+  }
+  std::vector<cv::KeyPoint>& at(int column, int row) { return corners[index_of(column, row)]; }
   // The first whole pixel of a column or row of cells.
   int begin_px(int cell) const {
     int px = static_cast<int>(cell * cell_px);
@@ -70,8 +74,11 @@ void fill_bare_cells(const cv::Mat& image, int low, int first, int last, int row
 void find_corners(const cv::Mat& image, int usual, int low, Cells* cells) {
   std::vector<cv::KeyPoint> found;
   cv::FAST(image, found, usual, true);
+  std::vector<std::size_t> count(cells->corners.size(), 0);
+  for (const cv::KeyPoint& corner : found) ++count[cells->index_of(corner)];
+  for (std::size_t i = 0; i < count.size(); ++i) cells->corners[i].reserve(count[i]);
   for (const cv::KeyPoint& corner : found)
-    cells->at(cells->along(corner.pt.x), cells->along(corner.pt.y)).push_back(corner);
+    cells->corners[cells->index_of(corner)].push_back(corner);
   if (low >= usual) return;
   for (int row = 0; row < cells->rows; ++row)
     for (int first = 0; first < cells->columns; ++first) {
@@ -83,30 +90,37 @@ void find_corners(const cv::Mat& image, int usual, int low, Cells* cells) {
     }
 }
 
+// A full image takes a few of each cell, which may hold a hundred: the next few are put in order.
+constexpr std::size_t kSortedAtOnce = 8;
+
+void sort_next(std::size_t from, std::vector<cv::KeyPoint>* cell) {
+  const auto begin = cell->begin() + static_cast<std::ptrdiff_t>(from);
+  const std::size_t n = std::min(kSortedAtOnce, cell->size() - from);
+  std::partial_sort(begin, begin + static_cast<std::ptrdiff_t>(n), cell->end(), stronger);
+}
+
 }  // namespace
 
 std::vector<cv::KeyPoint> spread_corners(const cv::Mat& image, int quota, int usual, int low) {
   Cells found(image.size(), quota);
   find_corners(image, usual, low, &found);
-  std::vector<std::vector<cv::KeyPoint>> ranks;  // ranks[k]: the k-th strongest of each cell
-  for (auto& cell : found.corners) {
-    std::sort(cell.begin(), cell.end(), stronger);
-    for (std::size_t k = 0; k < cell.size(); ++k) {
+  std::vector<cv::KeyPoint> kept, rank;  // rank: the k-th strongest of each cell
+  for (std::size_t k = 0; kept.size() < static_cast<std::size_t>(quota); ++k) {
+    rank.clear();
+    for (auto& cell : found.corners) {
+      if (k >= cell.size()) continue;
+      if (k % kSortedAtOnce == 0) sort_next(k, &cell);
       if (k > 0 && cell[k].response < static_cast<float>(usual))
-        break;  // weak ones only where nothing else is
-      if (ranks.size() <= k) ranks.resize(k + 1);
-      ranks[k].push_back(cell[k]);
+        continue;  // weak ones only where nothing else is
+      rank.push_back(cell[k]);
     }
-  }
-  std::vector<cv::KeyPoint> kept;
-  for (auto& rank : ranks) {
-    const std::size_t room = quota - kept.size();
+    if (rank.empty()) break;
+    const std::size_t room = static_cast<std::size_t>(quota) - kept.size();
     if (rank.size() > room) {
       std::sort(rank.begin(), rank.end(), stronger);
       rank.resize(room);
     }
     kept.insert(kept.end(), rank.begin(), rank.end());
-    if (kept.size() >= static_cast<std::size_t>(quota)) break;
   }
   return kept;
 }
