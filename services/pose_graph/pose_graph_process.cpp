@@ -83,6 +83,9 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus), graph_(config_for(bus.
   bus.every(kTellPeriodMs, [this] {
     follow_recovery();
     publish_to_late_ones();
+    // A solve of the whole graph takes many times what the graph does, for a moment.
+    if (std::exchange(solves_, graph_.counts().solves) != graph_.counts().solves)
+      give_back_memory(kSpareMemoryBytes);
   });
 }
 
@@ -188,9 +191,6 @@ void PoseGraphProcess::publish_news() {
   for (const auto& [n_placed, retirement] : graph_.take_retirements())
     bus_.note("RETIRED", to_message(retirement, graph_.newest_utime_us(), n_placed));
   for (const PoseOutput& pose : graph_.take_poses()) publish_pose(pose);
-  // A solve of the whole graph takes many times what the graph does, for a moment.
-  if (std::exchange(solves_, graph_.counts().solves) != graph_.counts().solves)
-    give_back_memory(kSpareMemoryBytes);
 }
 
 void PoseGraphProcess::publish_complete() {

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <iostream>
 #include <string>
-#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <malloc.h>
@@ -36,8 +35,10 @@ class LongRun {
     for (const auto& change : graph.take_changes()) said_ += change.first.id > 0 ? 1 : 0;
     graph.take_poses();
     graph.take_retirements();
-    if (std::exchange(solves_, graph.counts().solves) != graph.counts().solves)  // as the process
+    if (graph.newest_utime_us() - trimmed_us_ >= 1'000'000) {  // as the process does, each second
+      trimmed_us_ = graph.newest_utime_us();
       trims_ += give_back_memory(16 << 20) ? 1 : 0;
+    }
     const double took_s = 1e-3 * process_cpu_ms() - before_s;
     ++messages_;
     sum_s_ += took_s;
@@ -99,7 +100,7 @@ class LongRun {
   std::int64_t first_us_ = 0;
   double minute_ = 0.0;
   double next_minute_ = 0.0;
-  std::int64_t solves_ = 0, trims_ = 0;
+  std::int64_t trimmed_us_ = 0, trims_ = 0;
   std::int64_t messages_ = 0;
   std::int64_t said_ = 0;
   double sum_s_ = 0.0;
