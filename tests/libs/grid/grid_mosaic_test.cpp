@@ -139,7 +139,8 @@ TEST(GridMosaic, EqualsLookingUpEachCellAlone) {
             Eigen::Vector2d((x + 0.5) * kResolution, (y + 0.5) * kResolution) / kResolution;
         const int i = static_cast<int>(std::floor(p.x())), j = static_cast<int>(std::floor(p.y()));
         if (i < 0 || j < 0 || i >= 64 || j >= 64) continue;
-        const std::uint8_t cell = cells[static_cast<std::size_t>(j * 64 + i)];
+        const std::uint8_t cell =
+            cells[static_cast<std::size_t>(j) * 64 + static_cast<std::size_t>(i)];
         if (cell != kUnknownCell)
           says.push_back(std::clamp(probability_from_cell(cell), 0.02, 0.98));
       }
