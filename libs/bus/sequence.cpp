@@ -20,7 +20,11 @@ SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_
     joined_ = true;
     floor_ = seq;
     highest_ = seq;
-    return Seen::kNew;
+    // So far behind it was sent again, because somebody asked: what lies between was sent before
+    // this listener was here. A nearer one may have been on its way while the number was.
+    if (seq > published_before_ - kOnTheWay) return Seen::kNew;
+    highest_ = published_before_;
+    floor_ = highest_ + 1;
   }
   if (seq < floor_) return before_floor_.insert(seq).second ? Seen::kNew : Seen::kDuplicate;
   if (seq > highest_) {
@@ -46,6 +50,7 @@ void SequenceTracker::restart() {
   joined_ = false;
   floor_ = 1;
   highest_ = 0;
+  published_before_ = 0;
   missing_.clear();
   given_up_.clear();
   before_floor_.clear();
@@ -57,6 +62,7 @@ bool SequenceTracker::was_seen(std::int64_t seq) const {
 }
 
 void SequenceTracker::expect(std::int64_t count, std::int64_t now_us) {
+  if (!joined_) published_before_ = count;
   if (!joined_ || count <= highest_) return;
   // Forged or absurd numbers must not make us remember millions of gaps.
   const std::int64_t first = std::max({highest_ + 1, floor_, count - kMostGaps});

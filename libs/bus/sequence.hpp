@@ -16,7 +16,8 @@ class SequenceTracker {
 
   // from_start: the stream is known to begin at 1 (replay), so 1 is missing until it arrives.
   // Otherwise the first number that arrives is where this listener joined, and nothing before it is
-  // missing.
+  // missing; nor is what the publisher is known to have sent by then (expect()): the first to
+  // arrive may be sent again, long after its turn.
   explicit SequenceTracker(bool from_start) : joined_(from_start), floor_(1) {}
 
   // A message with number seq (>= 1), measured at utime_us, arrived at now_us (any monotonic
@@ -31,7 +32,8 @@ class SequenceTracker {
   // The publisher was started again and counts anew: what comes next is where this listener joins.
   void restart();
 
-  // The publisher has sent `count` messages: those not seen are missing from now on.
+  // The publisher has sent `count` messages: those not seen are missing from now on, unless this
+  // listener hasn't joined yet.
   void expect(std::int64_t count, std::int64_t now_us);
 
   // The publisher says that these numbers were never given: nobody waits for them.
@@ -45,6 +47,7 @@ class SequenceTracker {
   std::size_t give_up(std::int64_t now_us, std::int64_t max_age_us);
   std::size_t missing_count() const { return missing_.size(); }
 
+  static constexpr std::int64_t kOnTheWay = 256;  // messages between a publisher and its listener
   static constexpr std::int64_t kMostGaps = 100'000;  // remembered at a time; more are lost at once
 
   std::int64_t highest() const { return highest_; }
@@ -53,8 +56,9 @@ class SequenceTracker {
   bool was_seen(std::int64_t seq) const;
 
   bool joined_;
-  std::int64_t floor_;        // first number of this listener's stream
-  std::int64_t highest_ = 0;  // newest seen or expected
+  std::int64_t floor_;                 // first number of this listener's stream
+  std::int64_t highest_ = 0;           // newest seen or expected
+  std::int64_t published_before_ = 0;  // as told before this listener joined
   std::int64_t newest_utime_us_ = 0;
   std::map<std::int64_t, std::int64_t> missing_;  // number -> when the gap was noticed
   std::set<std::int64_t> given_up_;

@@ -44,6 +44,19 @@ TEST(Sequence, ALateListenerMissesNothingBeforeItJoinedButTakesIt) {
   EXPECT_EQ(tracker.see(7, 1, 0), Seen::kDuplicate);
 }
 
+// A fuser that was killed asks for all tiles: old numbers come first, then those of now.
+TEST(Sequence, WhatIsSentAgainToALateListenerIsNotWhereItJoins) {
+  SequenceTracker tracker(false);
+  tracker.expect(13'000, 0);
+  EXPECT_EQ(tracker.see(12, 1, 0), Seen::kNew);
+  EXPECT_EQ(tracker.see(800, 2, 0), Seen::kNew);
+  EXPECT_EQ(tracker.see(800, 2, 0), Seen::kDuplicate);
+  EXPECT_EQ(tracker.see(13'001, 3, 0), Seen::kNew);
+  EXPECT_EQ(tracker.missing_count(), 0U) << "nothing was sent to it in vain";
+  EXPECT_EQ(tracker.see(13'003, 4, 0), Seen::kNew);
+  EXPECT_EQ(tracker.missing(0, 0, 10), (std::vector<std::int64_t>{13'002}));
+}
+
 TEST(Sequence, APublisherThatStartsAgainIsANewStream) {
   SequenceTracker tracker(true);
   for (int i = 1; i <= 5; ++i) tracker.see(i, i, 0);
