@@ -12,9 +12,15 @@ constexpr std::int32_t kNotStarted = 127 << 8;  // as a shell's exit code 127
 
 void CommandMachine::order(const DesiredCommand& desired) {
   status_.spec = desired.spec;
-  if (desired.desired_runid != desired_runid_) pause_us_ = kShortestPause_us;
-  desired_runid_ = desired.desired_runid;
+  // 0: a sheriff that has just started and does not know yet what runs here. Leave it as it is.
+  const std::int32_t runid =
+      desired.desired_runid == 0 ? status_.actual_runid : desired.desired_runid;
+  if (runid != desired_runid_) pause_us_ = kShortestPause_us;
+  desired_runid_ = runid;
   force_quit_ = desired.force_quit;
+  // A run that was never begun and is not wanted any more counts as over: procman's sheriff takes
+  // no command for stopped whose runid is not the one that it asked for.
+  if (force_quit_ && status_.pid == 0) status_.actual_runid = desired_runid_;
   removing_ = false;
   if (force_quit_ || !status_.spec.auto_respawn) respawn_ = false;
 }

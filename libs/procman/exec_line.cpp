@@ -90,18 +90,17 @@ class ExecReader {
     std::size_t end = begin;
     if (end < text_.size() && begins_name(text_[end]))
       while (end < text_.size() && is_name(text_[end])) ++end;
-    if (braced && (end == begin || end >= text_.size() || text_[end] != '}')) {
-      problem_ = "a ${ is not followed by a name and a }";
-      return;
-    }
-    if (end == begin) {
+    const bool open = braced && (end >= text_.size() || text_[end] != '}');
+    if (end == begin || open) {  // $$, ${x:-1}: for a shell that is run
       word_ += '$';
       return;
     }
     const std::string name = text_.substr(begin, end - begin);
-    at_ = end + (braced ? 1 : 0);
+    const std::size_t after = end + (braced ? 1 : 0);
     const auto mine = given_.find(name);
-    word_ += mine != given_.end() ? mine->second : environment_(name).value_or("");
+    const std::string as_it_stands = "$" + text_.substr(at_, after - at_);
+    at_ = after;
+    word_ += mine != given_.end() ? mine->second : environment_(name).value_or(as_it_stands);
   }
 
   const std::string& text_;

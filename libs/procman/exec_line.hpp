@@ -19,8 +19,8 @@ using Environment = std::function<std::optional<std::string>(const std::string& 
 
 // Blanks split, 'quotes' and "quotes" join, \ takes the next character as it is. $NAME and ${NAME},
 // not within '...', become a NAME=VALUE given before in the same text, else the environment's
-// value, else nothing; what is put in is never split again. Nothing and `why` when a quote or a
-// brace is not closed or there is no program.
+// value, else stay as they are (for a shell that is run, as with procman); what is put in is never
+// split again. Nothing and `why` when a quote is not closed or there is no program.
 std::optional<ExecLine> parse_exec_line(const std::string& exec, const Environment& environment,
                                         std::string* why);
 

@@ -77,12 +77,12 @@ class LabLexer {
       char c = take();
       if (c == quote) return result;
       if (c == '\0') fail(token, "a string can't hold a zero byte");
-      if (c == '\\' && !done()) {
-        const char escaped = text_[at_];
-        if (escaped == '"' || escaped == '\\' || escaped == 'n' || escaped == 't') {
-          take();
-          c = escaped == 'n' ? '\n' : escaped == 't' ? '\t' : escaped;
-        }
+      if (c == '\\') {
+        if (done() || text_[at_] == '\n')
+          fail(token, "this string has no closing quote on its line");
+        const char escaped = take();
+        if (escaped == '\0') fail(token, "a string can't hold a zero byte");
+        c = escaped == 'n' ? '\n' : escaped == 't' ? '\t' : escaped == 'r' ? '\r' : escaped;
       }
       result += c;
     }

@@ -1,5 +1,6 @@
 // The grammar of a procman configuration file, by recursive descent.
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <set>
@@ -114,9 +115,12 @@ class LabParser {
     } else if (name.text == "group") {
       command->spec.group = string("the group's name");
     } else if (name.text == "auto_respawn") {
-      const std::string value = peek().kind == Kind::kWord ? take().text : string("true or false");
-      if (value != "true" && value != "false") fail(at, "auto_respawn is \"true\" or \"false\"");
-      command->spec.auto_respawn = value == "true";
+      std::string value = peek().kind == Kind::kWord ? take().text : string("true or false");
+      for (char& c : value) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      const bool yes = value == "true" || value == "yes";
+      if (!yes && value != "false" && value != "no")
+        fail(at, "auto_respawn is \"true\" or \"false\"");
+      command->spec.auto_respawn = yes;
     } else if (name.text == "stop_signal") {
       command->spec.stop_signal = static_cast<int>(number("stop_signal", 1, 64));
     } else if (name.text == "stop_time_allowed") {

@@ -151,9 +151,9 @@ bool SheriffCore::all(const std::vector<std::string>& ids, WaitFor wanted) const
     const auto it = commands_.find(id);
     if (it == commands_.end()) return wanted != WaitFor::kRunning;
     const CommandState state = it->second.state();
-    if (wanted == WaitFor::kRunning) return state == CommandState::kRunning;
-    if (wanted == WaitFor::kStopped)
-      return state == CommandState::kStoppedWell || state == CommandState::kStoppedError;
+    const bool over = state == CommandState::kStoppedWell || state == CommandState::kStoppedError;
+    if (wanted == WaitFor::kRunning) return state == CommandState::kRunning || over;
+    if (wanted == WaitFor::kStopped) return over;
     return true;
   });
 }

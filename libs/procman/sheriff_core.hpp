@@ -63,7 +63,8 @@ class SheriffCore {
   const std::map<std::string, SheriffCommand>& commands() const { return commands_; }
   const std::map<std::string, DeputyView>& deputies() const { return deputies_; }
   const std::string& name() const { return sheriff_; }
-  // True when each of these is running, or stopped.
+  // True when each of these is running, or stopped. As with procman's sheriff a command that has
+  // ended was running (a script never times out: it would wait for ever for a short one).
   bool all(const std::vector<std::string>& ids, WaitFor state) const;
 
  private:

@@ -40,9 +40,9 @@ std::optional<DeputyOptions> parse_deputy_options(int argc, char** argv, int* ex
   std::vector<std::string> variables;
   std::string user;
   if (const char* key = std::getenv("FUSION_SLAM_KEY_FILE")) options.key_file = key;
-  app.add_option("--name", options.name, "what configurations call this machine")
+  app.add_option("--name,-i,--id", options.name, "what configurations call this machine")
       ->capture_default_str();
-  app.add_option("--lcm-url", options.lcm_url,
+  app.add_option("--lcm-url,-u,--lcmurl", options.lcm_url,
                  "LCM network (default: LCM_DEFAULT_URL, else LCM's own)");
   app.add_option("--allow", folders,
                  "a folder whose programs may be run with all below it, or one program; may be "

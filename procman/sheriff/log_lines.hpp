@@ -15,6 +15,7 @@ class LogLines {
     std::string result;
     for (const char c : text) {
       if (c != '\n') open += c;
+      if (c == '\n' && !open.empty() && open.back() == '\r') open.pop_back();  // a terminal's
       if (c == '\n' || open.size() >= kLongestLine) {
         result += prefix(deputy, command) + open + "\n";
         open.clear();
