@@ -59,6 +59,24 @@ TEST(CommandMachine, ANewRunidRestarts) {
   EXPECT_EQ(machine.step(4), Action::kNothing);
 }
 
+// As procman's sheriff orders before it has heard the deputy, and as it asks for one to stop.
+TEST(CommandMachine, Runid0LeavesItAsItIs) {
+  CommandMachine machine = running(false);
+  machine.order({spec(), 0, false});
+  EXPECT_EQ(machine.step(1), Action::kNothing);
+  EXPECT_EQ(machine.status().actual_runid, 1);
+  machine.order({spec(), 2, false});
+  EXPECT_EQ(machine.step(2), Action::kSignal) << "a new one is another run";
+}
+
+TEST(CommandMachine, OneStoppedBeforeItWasStartedIsOver) {
+  CommandMachine machine(spec());
+  machine.order({spec(), 5, true});
+  EXPECT_EQ(machine.step(0), Action::kNothing);
+  EXPECT_EQ(machine.status().actual_runid, 5) << "or procman's sheriff waits for it";
+  EXPECT_EQ(machine.status().pid, 0);
+}
+
 TEST(CommandMachine, OneThatEndsStaysEndedUnlessItShallRespawn) {
   CommandMachine machine = running(false);
   machine.exited(0, 5);

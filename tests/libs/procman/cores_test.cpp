@@ -254,6 +254,24 @@ TEST(ScriptRunner, RunsEveryAction) {
   EXPECT_THROW(ScriptRunner(two_commands(), "none"), LabConfigError);
 }
 
+// A script has no time-out: one that waited for a short command would wait for ever.
+TEST(ScriptRunner, ACommandThatHasEndedWasRunning) {
+  Lab lab;
+  lab.sheriff.load(two_commands());
+  lab.second();
+  EXPECT_FALSE(lab.sheriff.all({"a"}, WaitFor::kRunning));
+  lab.sheriff.start({"a"});
+  lab.second();
+  lab.second();
+  EXPECT_TRUE(lab.sheriff.all({"a"}, WaitFor::kRunning));
+  EXPECT_FALSE(lab.sheriff.all({"a"}, WaitFor::kStopped));
+  lab.sheriff.stop({"a"});
+  lab.second();
+  lab.second();
+  EXPECT_TRUE(lab.sheriff.all({"a"}, WaitFor::kStopped));
+  EXPECT_TRUE(lab.sheriff.all({"a"}, WaitFor::kRunning));
+}
+
 TEST(StatusTable, SaysWhatPeopleNeed) {
   SheriffCore sheriff("s");
   EXPECT_THAT(status_table(sheriff, 0), HasSubstr("no deputy heard"));

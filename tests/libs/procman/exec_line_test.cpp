@@ -34,6 +34,11 @@ TEST(ExecLine, PutsVariablesIn) {
                           "$HOME", "$NOTHING-", "$", "$1"));
 }
 
+TEST(ExecLine, LeavesToAShellWhatIsItsOwn) {
+  EXPECT_THAT(argv("sh -c \"echo ${NOTHING} ${HOME:-x} ${ $$ ${HOME\""),
+              ElementsAre("sh", "-c", "echo ${NOTHING} ${HOME:-x} ${ $$ ${HOME"));
+}
+
 TEST(ExecLine, TakesAssignmentsOffTheFront) {
   const auto line =
       parse_exec_line("ABC=def GHI=\"jkl mno\" U=$ABC bash X=1 $GHI", environment, nullptr);

@@ -50,6 +50,16 @@ TEST(LabConfig, ReadsAllAFileMayHold) {
   EXPECT_EQ(config.scripts[1].actions[0].target.kind, TargetKind::kEverything);
 }
 
+TEST(LabConfig, ReadsWhatTheOriginalReads) {
+  const LabConfig config = parse_lab_config(
+      "cmd \"a\" { deputy = \"m\"; exec = \"say \\\"x\\\" \\q\\\\ \\t.\"; auto_respawn = Yes; }\n"
+      "cmd 'b' { deputy = \"m\"; exec = \"x\"; auto_respawn = \"NO\"; }\n",
+      "lab.cfg");
+  EXPECT_EQ(config.commands.at(0).spec.exec, "say \"x\" q\\ \t.");
+  EXPECT_TRUE(config.commands.at(0).spec.auto_respawn);
+  EXPECT_FALSE(config.commands.at(1).spec.auto_respawn);
+}
+
 TEST(LabConfig, WritesWhatItReads) {
   const LabConfig config = example();
   const std::string text = to_text(config);
