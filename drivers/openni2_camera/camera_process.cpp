@@ -36,7 +36,7 @@ CameraProcess::CameraProcess(Bus& bus, RobotModel robot, CameraDriverConfig conf
     : bus_(bus),
       robot_(std::move(robot)),
       jpeg_quality_(config.connection.jpeg_quality),
-      coding_(config.connection.images == "packed" ? ImageCoding::kPacked : ImageCoding::kPlain),
+      coding_(image_coding(config.connection.images)),
       driver_(std::move(config),
               {[this](const CameraSetup& setup) {
                  const std::lock_guard<std::mutex> lock(mutex_);

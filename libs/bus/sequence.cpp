@@ -62,7 +62,7 @@ bool SequenceTracker::was_seen(std::int64_t seq) const {
 }
 
 void SequenceTracker::expect(std::int64_t count, std::int64_t now_us) {
-  if (!joined_) published_before_ = count;
+  if (!joined_) published_before_ = std::clamp<std::int64_t>(count, 0, INT64_MAX - 1);
   if (!joined_ || count <= highest_) return;
   // Forged or absurd numbers must not make us remember millions of gaps.
   const std::int64_t first = std::max({highest_ + 1, floor_, count - kMostGaps});

@@ -15,6 +15,10 @@ namespace fusion_slam {
 // with Huffman tables of its own; half of the network for 3 ms more of a processor a frame on
 // either side.
 enum class ImageCoding { kPlain, kPacked };
+// As configurations and options name them, which have checked the name: packed, or else plain.
+inline ImageCoding image_coding(const std::string& name) {
+  return name == "packed" ? ImageCoding::kPacked : ImageCoding::kPlain;
+}
 
 // Packed depth's image_type, which bot_core leaves free: programs that don't know it find no depth.
 inline constexpr std::int16_t kDepthPacked = 1001;

@@ -59,4 +59,14 @@ std::string seconds_text(std::int64_t utime_us) {
   return text;
 }
 
+std::string summary_text(const ExportSummary& summary) {
+  std::string text;
+  for (const auto& [what, count] : summary.written)
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  text += "\n";
+  for (const auto& [why, count] : summary.skipped)
+    text += "  left out: " + std::to_string(count) + " " + why + "\n";
+  return text;
+}
+
 }  // namespace fusion_slam

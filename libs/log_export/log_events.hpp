@@ -57,4 +57,7 @@ struct ExportSummary {
   std::map<std::string, std::int64_t> skipped;  // why, and how many
 };
 
+// For people: "12 poses, 3 scans", and a line each of what was left out; ends with a line's end.
+std::string summary_text(const ExportSummary& summary);
+
 }  // namespace fusion_slam

@@ -12,16 +12,9 @@
 
 namespace {
 
-void print(const std::string& out, const fusion_slam::ExportSummary& summary) {
-  std::cout << out << ":";
-  const char* separator = " ";
-  for (const auto& [what, count] : summary.written) {
-    std::cout << separator << count << " " << what;
-    separator = ", ";
-  }
-  std::cout << "\n";
-  for (const auto& [why, count] : summary.skipped)
-    std::cout << "  left out: " << count << " " << why << "\n";
+void show_progress(double share) {
+  std::cerr << "\rexport: " << static_cast<int>(100.0 * share) << " %" << (share < 1.0 ? "" : "\n")
+            << std::flush;
 }
 
 }  // namespace
@@ -61,18 +54,15 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  lcm_options.images =
-      images == "plain" ? fusion_slam::ImageCoding::kPlain : fusion_slam::ImageCoding::kPacked;
-  const auto progress = [](double share) {
-    std::cerr << "\rexport: " << static_cast<int>(100.0 * share) << " %"
-              << (share < 1.0 ? "" : "\n") << std::flush;
-  };
-  const std::function<void(double)> shown =
-      isatty(2) != 0 ? progress : std::function<void(double)>();
+  lcm_options.images = fusion_slam::image_coding(images);
+  std::function<void(double)> shown;
+  if (isatty(2) != 0) shown = show_progress;
   try {
-    print(out, tum->parsed()   ? fusion_slam::export_tum(log, out, tum_options, shown)
-               : lcm->parsed() ? fusion_slam::export_lcm(log, out, lcm_options, shown)
-                               : fusion_slam::export_carmen(log, out, carmen_options, shown));
+    const fusion_slam::ExportSummary summary =
+        tum->parsed()   ? fusion_slam::export_tum(log, out, tum_options, shown)
+        : lcm->parsed() ? fusion_slam::export_lcm(log, out, lcm_options, shown)
+                        : fusion_slam::export_carmen(log, out, carmen_options, shown);
+    std::cout << out << ": " << summary_text(summary);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "export: " << error.what() << "\n";

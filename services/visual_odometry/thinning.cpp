@@ -30,13 +30,14 @@ std::vector<std::int64_t> of_its_place(const MapKeyframe& keyframe, std::int64_t
 int KeyframeThinning::thin(std::int64_t reference, const VisualOdometryConfig& config,
                            VisualMap* map) {
   if (map->keyframes().empty()) return 0;
-  const MapKeyframe newest = map->keyframes().rbegin()->second;
+  const std::int64_t newest_us = map->keyframes().rbegin()->second.utime_us;
+  const std::int64_t newest_id = map->keyframes().rbegin()->first;
   int n = 0;
   for (auto it = map->keyframes().upper_bound(last_old_); it != map->keyframes().end();
        it = map->keyframes().upper_bound(last_old_)) {
     const MapKeyframe& keyframe = it->second;
-    if (newest.utime_us - keyframe.utime_us < config.thin_age_us ||
-        keyframe.id + config.settle_keyframes >= newest.id)
+    if (newest_us - keyframe.utime_us < config.thin_age_us ||
+        keyframe.id + config.settle_keyframes >= newest_id)
       break;
     last_old_ = keyframe.id;
     const std::vector<std::int64_t> place = of_its_place(keyframe, last_old_, config, *map);

@@ -57,6 +57,16 @@ TEST(Sequence, WhatIsSentAgainToALateListenerIsNotWhereItJoins) {
   EXPECT_EQ(tracker.missing(0, 0, 10), (std::vector<std::int64_t>{13'002}));
 }
 
+TEST(Sequence, ForgedCountsOverflowNothing) {
+  for (const std::int64_t count : {INT64_MIN, INT64_C(-1), INT64_MAX}) {
+    SequenceTracker tracker(false);
+    tracker.expect(count, 0);
+    EXPECT_EQ(tracker.see(5, 1, 0), Seen::kNew);
+    EXPECT_EQ(tracker.see(6, 2, 0), Seen::kNew);
+    EXPECT_EQ(tracker.missing_count(), 0U);
+  }
+}
+
 TEST(Sequence, APublisherThatStartsAgainIsANewStream) {
   SequenceTracker tracker(true);
   for (int i = 1; i <= 5; ++i) tracker.see(i, i, 0);

@@ -14,16 +14,10 @@
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "libs/bus/transport.hpp"
 #include "logplayer/replay/conductor.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
-
-BusOptions named(const std::string& process, Mode mode) {
-  BusOptions options;
-  options.process = process;
-  options.mode = mode;
-  return options;
-}
 
 LogEvent odometry(std::int64_t utime_us) {
   bot_core::pose_t pose{};
@@ -39,8 +33,8 @@ LogEvent scan(std::int64_t utime_us) {
 
 TEST(ConductorOverlap, InertEventsAreHandledInTheOrderOfTheLog) {
   const auto transport = std::make_shared<Transport>("memq://");
-  Bus driver(named("replay", Mode::kThroughput), transport);
-  Bus mapper(named("mapper", Mode::kLockstep), transport);
+  Bus driver(named_bus("replay", Mode::kThroughput), transport);
+  Bus mapper(named_bus("mapper", Mode::kLockstep), transport);
   std::vector<std::string> seen;
   mapper.subscribe<bot_core::planar_lidar_t>("LIDAR", Policy::kKeepAll,
                                              [&](const bot_core::planar_lidar_t& m) {
@@ -86,9 +80,9 @@ TEST(ConductorOverlap, InertEventsAreHandledInTheOrderOfTheLog) {
 struct Loop {
   explicit Loop(unsigned seed)
       : transport(std::make_shared<Transport>("memq://")),
-        driver(named("replay", Mode::kThroughput), transport),
-        tracker(named("tracker", Mode::kLockstep), transport),
-        mapper(named("mapper", Mode::kLockstep), transport),
+        driver(named_bus("replay", Mode::kThroughput), transport),
+        tracker(named_bus("tracker", Mode::kLockstep), transport),
+        mapper(named_bus("mapper", Mode::kLockstep), transport),
         random(seed) {
     tracker.subscribe<bot_core::planar_lidar_t>(
         "LIDAR", Policy::kKeepAll, [this](const bot_core::planar_lidar_t& m) {

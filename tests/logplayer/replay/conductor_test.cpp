@@ -13,16 +13,10 @@
 #include "bot_core/pose_t.hpp"
 #include "fusion_slam/pose_estimate_t.hpp"
 #include "libs/bus/transport.hpp"
+#include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
-
-BusOptions named(const std::string& process, Mode mode) {
-  BusOptions options;
-  options.process = process;
-  options.mode = mode;
-  return options;
-}
 
 // Passes ODOMETRY on to `out`, `copies` times, after an unpredictable time.
 class Relay {
@@ -47,10 +41,10 @@ class Relay {
 struct Pipeline {
   Pipeline(Mode mode, unsigned seed)
       : transport(std::make_shared<Transport>("memq://")),
-        driver(named("replay", Mode::kThroughput), transport),
-        bus_double(named("double", mode), transport),
-        bus_triple(named("triple", mode), transport),
-        bus_join(named("join", mode), transport),
+        driver(named_bus("replay", Mode::kThroughput), transport),
+        bus_double(named_bus("double", mode), transport),
+        bus_triple(named_bus("triple", mode), transport),
+        bus_join(named_bus("join", mode), transport),
         relay_double(bus_double, "VISUAL_POSE", 2, seed),
         relay_triple(bus_triple, "LIDAR_POSE", 3, seed + 1) {
     for (const char* channel : {"VISUAL_POSE", "LIDAR_POSE"})
@@ -115,8 +109,8 @@ TEST(Conductor, LockstepIsTheSameEachTime) {
 // A frame that is sent before its turn is handled in its turn.
 TEST(Conductor, SendingAheadChangesNothing) {
   const auto transport = std::make_shared<Transport>("memq://");
-  Bus driver(named("replay", Mode::kThroughput), transport);
-  Bus eyes(named("eyes", Mode::kLockstep), transport);
+  Bus driver(named_bus("replay", Mode::kThroughput), transport);
+  Bus eyes(named_bus("eyes", Mode::kLockstep), transport);
   std::vector<std::int64_t> seen;
   eyes.subscribe<bot_core::images_t>("CAMERA", Policy::kLatestOnly,
                                      [&](const bot_core::images_t& m) { seen.push_back(m.utime); });
@@ -212,8 +206,8 @@ TEST(Conductor, InThroughputModeStatusTellsListenersWhatWasSent) {
 // A frame may be lost and come again: the next must not be sent before it is there.
 TEST(Conductor, InThroughputModeLargeMessagesKeepTheirOrder) {
   const auto transport = std::make_shared<Transport>("memq://");
-  Bus driver(named("replay", Mode::kThroughput), transport);
-  Bus ears(named("ears", Mode::kThroughput), transport);
+  Bus driver(named_bus("replay", Mode::kThroughput), transport);
+  Bus ears(named_bus("ears", Mode::kThroughput), transport);
   const auto say = [&](std::int64_t received) {
     status_t status{};
     status.process = "other";

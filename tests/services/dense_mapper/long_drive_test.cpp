@@ -14,12 +14,6 @@ constexpr int kViews = 6;  // a lap
 
 class LongDrive : public testing::Test {
  protected:
-  static RobotModel robot() {
-    RobotModel robot;
-    robot.T_base_camera.linear() = optical_to_body();
-    robot.T_base_camera.translation() = Eigen::Vector3d(0.1, 0.0, 0.35);
-    return robot;
-  }
   static DenseMapperConfig config() {
     DenseMapperConfig config;
     config.keyframes_per_submap = 1;
@@ -58,7 +52,7 @@ class LongDrive : public testing::Test {
            state(x_m + 0.025, y_m) == CellState::kOccupied;
   }
 
-  RobotModel robot_ = robot();
+  RobotModel robot_ = robot_with_camera_at(0.1);
   CameraModel camera_ = small_camera();
   DenseMapper mapper_{camera_, robot_, config()};
   TiledGrid grid_{0.05};

@@ -37,12 +37,6 @@ TEST(Pace, MapsTheFewerSubmapsTheLongerTheQueue) {
 class LeaveOut : public testing::Test {
  protected:
   LeaveOut() { mapper_.keep_changes(); }
-  static RobotModel robot() {
-    RobotModel robot;
-    robot.T_base_camera.linear() = optical_to_body();
-    robot.T_base_camera.translation() = Eigen::Vector3d(0.0, 0.0, 0.35);
-    return robot;
-  }
   static DenseMapperConfig config() {
     DenseMapperConfig config;
     config.keyframes_per_submap = 2;
@@ -58,7 +52,7 @@ class LeaveOut : public testing::Test {
     mapper_.update(false);
   }
 
-  RobotModel robot_ = robot();
+  RobotModel robot_ = robot_with_camera_at(0.0);
   CameraModel camera_ = small_camera();
   DenseMapperConfig config_ = config();
   DenseMapper mapper_{camera_, robot_, config_};

@@ -11,6 +11,7 @@
 #include "libs/camera/camera_model.hpp"
 #include "libs/camera/rgbd_frame.hpp"
 #include "libs/geometry/pose.hpp"
+#include "libs/robot/robot_model.hpp"
 
 namespace fusion_slam {
 
@@ -22,6 +23,14 @@ inline CameraModel small_camera() {
   camera.cx_px = 79.5;
   camera.cy_px = 59.5;
   return camera;
+}
+
+// Camera 0.35 m above the floor, looking ahead.
+inline RobotModel robot_with_camera_at(double ahead_m) {
+  RobotModel robot;
+  robot.T_base_camera.linear() = optical_to_body();
+  robot.T_base_camera.translation() = Eigen::Vector3d(ahead_m, 0.0, 0.35);
+  return robot;
 }
 
 // Distance along the ray to the room, in multiples of `direction`.
