@@ -1,6 +1,5 @@
 // A camera that had lost its way and found itself again in a place it knew: its word against the
 // LiDAR's, which went on meanwhile.
-#include "libs/graph/uncertainty.hpp"
 #include "services/pose_graph/pose_graph.hpp"
 #include "services/pose_graph/sensor_agreement.hpp"
 
@@ -14,25 +13,14 @@ std::int64_t PoseGraph::utime_us(const NodeId& id) const {
 // Of T_a_b in b's axes: along the best path of edges, an upper bound; nothing when none leads
 // there.
 std::optional<Matrix6d> PoseGraph::covariance_between(const NodeId& a, const NodeId& b) const {
-  const bool planar = robot_ && robot_->planar;
-  GraphUncertainty uncertainty;
-  for (const GraphEdge& edge : edges_)
-    if (edge.loop_weight >= 0.1)
-      uncertainty.add_edge(edge.from, edge.to, edge.T_from_to,
-                           effective_covariance(config_.noise, edge, planar));
-  Matrix6d carried = Matrix6d::Zero();  // of a and b against those that carry them
-  NodeId ends[] = {a, b};
-  for (NodeId& end : ends) {
-    const auto retired = retired_.find(end);
-    if (retired == retired_.end()) continue;
-    carried.diagonal().head<3>().array() += retired->second.translation_m2;
-    carried.diagonal().tail<3>().array() += retired->second.rotation_rad2;
-    end = retired->second.carrier;
-  }
-  if (ends[0] == ends[1]) return carried;
-  const auto path = uncertainty.from(ends[0]).to(ends[1]);
+  GraphUncertainty all = uncertainty();
+  for (const NodeId& id : {a, b})
+    if (const auto retired = retired_.find(id); retired != retired_.end())
+      all.add_edge(retired->second.carrier, id, retired->second.T_carrier_base(),
+                   retired->second.covariance());
+  const auto path = all.from(a).to(b);
   if (!path) return std::nullopt;
-  return path->covariance + carried;
+  return path->covariance;
 }
 
 // False: the LiDAR may still say where that was.

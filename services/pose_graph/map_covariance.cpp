@@ -1,8 +1,17 @@
 // How well a node's place in the map is known.
-#include "libs/graph/uncertainty.hpp"
 #include "services/pose_graph/pose_graph.hpp"
 
 namespace fusion_slam {
+
+// All edges that are not outvoted.
+GraphUncertainty PoseGraph::uncertainty() const {
+  GraphUncertainty uncertainty;
+  for (const GraphEdge& edge : edges_)
+    if (edge.loop_weight >= 0.1)
+      uncertainty.add_edge(edge.from, edge.to, edge.T_from_to,
+                           effective_covariance(config_.noise, edge, robot_ && robot_->planar));
+  return uncertainty;
+}
 
 // Relative to the map's origin, the oldest node: along the best path of edges (an upper bound; see
 // libs/graph/uncertainty.hpp), in the node's axes. From the node before it where that is known, so
@@ -11,10 +20,7 @@ Matrix6d PoseGraph::map_covariance(const NodeId& id) const {
   const auto retired = retired_.find(id);
   if (retired != retired_.end()) {
     const Retired& r = retired->second;
-    Vector6d variance;
-    variance << Eigen::Vector3d::Constant(r.translation_m2),
-        Eigen::Vector3d::Constant(r.rotation_rad2);
-    return chained_covariance(map_covariance(r.carrier), r.T_carrier_base(), variance.asDiagonal());
+    return chained_covariance(map_covariance(r.carrier), r.T_carrier_base(), r.covariance());
   }
   const auto known_already = map_covariance_.find(id);
   if (known_already != map_covariance_.end()) return known_already->second;
@@ -26,12 +32,8 @@ Matrix6d PoseGraph::map_covariance(const NodeId& id) const {
     return map_covariance_[id] = chained_covariance(
                before->second, edge->T_from_to, effective_covariance(config_.noise, *edge, planar));
   }
-  GraphUncertainty uncertainty;
-  for (const GraphEdge& edge : edges_)
-    if (edge.loop_weight >= 0.1)
-      uncertainty.add_edge(edge.from, edge.to, edge.T_from_to,
-                           effective_covariance(config_.noise, edge, planar));
-  const auto path = uncertainty.from(by_time_.begin()->second).to(id);
+  const GraphUncertainty all = uncertainty();
+  const auto path = all.from(by_time_.begin()->second).to(id);
   return map_covariance_[id] = path ? path->covariance : Matrix6d(Matrix6d::Zero());
 }
 

@@ -103,6 +103,10 @@ void PoseGraph::finish() {
   finishing_ = true;
   meet_global_solve(true);
   settle();
+  if (rebuilding_) {  // an earlier process solved it, and its nodes are where that put them
+    finishing_ = false;
+    return;
+  }
   meet_global_solve(true);
   // Twice: loops that don't fit in the first are switched off before the second.
   // The second ends with bundle adjustment when the camera has closed a loop.

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "libs/graph/uncertainty.hpp"
 #include "libs/robot/robot_model.hpp"
 #include "services/pose_graph/config.hpp"
 #include "services/pose_graph/global_bundle.hpp"
@@ -113,6 +114,7 @@ class PoseGraph {
     float translation_m2 = 0.0F;  // an upper bound of the variance, any direction
     float rotation_rad2 = 0.0F;
     SE3 T_carrier_base() const;
+    Matrix6d covariance() const;  // of it, in the node's axes
   };
   struct Load {  // of a carrier
     SE3 T_said;  // where it was when those it carries were last handed out
@@ -151,6 +153,7 @@ class PoseGraph {
   void meet_global_solve(bool now);
   void adopt(const GlobalSolve& answer);
   void judge_loops();
+  GraphUncertainty uncertainty() const;
   Matrix6d map_covariance(const NodeId& id) const;
   void say_poses();
   PoseOutput said(const PoseInput& pose) const;

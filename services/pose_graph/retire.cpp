@@ -161,15 +161,18 @@ void PoseGraph::add_edge(GraphEdge edge) {
     const auto retired = retired_.find(id);
     if (retired == retired_.end()) continue;
     const Retired& r = retired->second;
-    Vector6d variance;
-    variance << Eigen::Vector3d::Constant(r.translation_m2),
-        Eigen::Vector3d::Constant(r.rotation_rad2);
     const auto moved = at_carrier(config_, robot_ && robot_->planar, edge,
-                                  {id, r.carrier, r.T_carrier_base(), variance.asDiagonal()});
+                                  {id, r.carrier, r.T_carrier_base(), r.covariance()});
     if (!moved) return;
     edge = *moved;
   }
   if (edge.from != edge.to) edges_.push_back(std::move(edge));
+}
+
+Matrix6d PoseGraph::Retired::covariance() const {
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(translation_m2), Eigen::Vector3d::Constant(rotation_rad2);
+  return variance.asDiagonal();
 }
 
 SE3 PoseGraph::Retired::T_carrier_base() const {
