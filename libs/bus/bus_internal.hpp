@@ -137,6 +137,9 @@ struct Bus::Impl {
   bool journal_is_large();
   bool renew_journal();
   bool keep_said_and_heard();  // in the new file
+  bool keep_heard(const std::string& channel, Heard* there);
+  bool mark_anew(const char* verb, const std::string& channel, std::int64_t utime_us,
+                 const std::vector<std::int64_t>& numbers);
   void tell_said(const command_t& mark);
   // `at`: the record's. False: a mark of an earlier renewal has told its number.
   bool was_heard(const std::string& channel, const std::vector<std::uint8_t>& bytes,

@@ -68,17 +68,18 @@ bool Bus::Impl::append_anew(const std::string& channel, const std::vector<std::u
   return journal->append_anew(wall_us(), channel, bytes.data(), bytes.size());
 }
 
+bool Bus::Impl::mark_anew(const char* verb, const std::string& channel, std::int64_t utime_us,
+                          const std::vector<std::int64_t>& numbers) {
+  command_t message{};
+  message.utime = utime_us;
+  message.target = channel;
+  message.verb = verb;
+  message.argument = numbers_to_text(numbers);
+  return append_anew(kJournalMark, bus_detail::encode(message));
+}
+
 // out_mutex and journal_mutex held.
 bool Bus::Impl::keep_said_and_heard() {
-  const auto mark = [this](const char* verb, const std::string& channel, std::int64_t utime_us,
-                           const std::vector<std::int64_t>& numbers) {
-    command_t message{};
-    message.utime = utime_us;
-    message.target = channel;
-    message.verb = verb;
-    message.argument = numbers_to_text(numbers);
-    return append_anew(kJournalMark, bus_detail::encode(message));
-  };
   command_t opened{};
   opened.utime = wall_us();
   opened.target = options.process;
@@ -95,28 +96,36 @@ bool Bus::Impl::keep_said_and_heard() {
       numbers.push_back(from);
       numbers.push_back(to);
     }
-    if (!mark(kJournalSaid, channel, 0, numbers)) return false;
+    if (!mark_anew(kJournalSaid, channel, 0, numbers)) return false;
     for (const auto& [seq, bytes] : recent)
       if (!append_anew(channel, bytes)) return false;
   }
-  for (auto& [channel, what] : heard) {
-    what.sequence.give_up(steady_us(), kForgotten_us);
-    std::vector<std::int64_t> numbers = {what.sequence.highest()};
-    for (const std::int64_t seq : what.sequence.missing(steady_us(), 0, kMostMissing))
-      numbers.push_back(seq);
-    if (!mark(kJournalHeard, channel, what.newest_utime_us, numbers)) return false;
-    if (!what.first.empty() && !append_anew(channel, what.first)) return false;
-    const std::set<std::int64_t> wanted =
-        needs->numbers && what.first.empty() ? needs->numbers(channel) : std::set<std::int64_t>{};
-    auto before = std::exchange(what.at, {});
-    for (const std::int64_t seq : wanted) {
-      const auto it = before.find(seq);
-      if (it == before.end()) continue;
-      const auto record = journal->record_at(it->second.first, it->second.second);
-      if (!record || record->channel != channel || seq_of(record->data) != seq) continue;
-      what.at[seq] = {journal->newest().whole_bytes, journal->newest().n_records};
-      if (!append_anew(channel, record->data)) return false;
-    }
+  for (const bool models : {true, false})  // first what the rest is understood with
+    for (auto& [channel, what] : heard)
+      if ((needs->first_of.count(channel) != 0) == models && !keep_heard(channel, &what))
+        return false;
+  return true;
+}
+
+// out_mutex and journal_mutex held.
+bool Bus::Impl::keep_heard(const std::string& channel, Heard* there) {
+  Heard& what = *there;
+  what.sequence.give_up(steady_us(), kForgotten_us);
+  std::vector<std::int64_t> numbers = {what.sequence.highest()};
+  for (const std::int64_t seq : what.sequence.missing(steady_us(), 0, kMostMissing))
+    numbers.push_back(seq);
+  if (!mark_anew(kJournalHeard, channel, what.newest_utime_us, numbers)) return false;
+  if (!what.first.empty() && !append_anew(channel, what.first)) return false;
+  const std::set<std::int64_t> wanted =
+      needs->numbers && what.first.empty() ? needs->numbers(channel) : std::set<std::int64_t>{};
+  auto before = std::exchange(what.at, {});
+  for (const std::int64_t seq : wanted) {
+    const auto it = before.find(seq);
+    if (it == before.end()) continue;
+    const auto record = journal->record_at(it->second.first, it->second.second);
+    if (!record || record->channel != channel || seq_of(record->data) != seq) continue;
+    what.at[seq] = {journal->newest().whole_bytes, journal->newest().n_records};
+    if (!append_anew(channel, record->data)) return false;
   }
   return true;
 }

@@ -125,6 +125,19 @@ void GraphUncertainty::remove_longer(int a, int b, double length) {
   }
 }
 
+// Shortcuts that better paths have come to lead around since; else contraction fills the graph.
+void GraphUncertainty::remove_needless(int node, Paths* around) {
+  const std::vector<int> all = neighbours_[static_cast<std::size_t>(node)];
+  for (const int e : all) {
+    const Edge& edge = edges_[static_cast<std::size_t>(e)];
+    if (edge.is != EdgeIs::kShortcut) continue;
+    const int other = edge.from == node ? edge.to : edge.from;
+    if (around->reach(other, edge.length) &&
+        around->length_[static_cast<std::size_t>(other)] < edge.length)
+      remove(e);
+  }
+}
+
 void GraphUncertainty::retire(const NodeId& node) {
   const auto found = index_.find(node);
   if (found == index_.end()) return;
@@ -146,6 +159,7 @@ void GraphUncertainty::retire(const NodeId& node) {
           shorter ? around.length_[static_cast<std::size_t>(b->first)] : length_through);
       if (!shorter) added.push_back(through(a->second.edge, b->second.edge, EdgeIs::kShortcut));
     }
+    remove_needless(a->first, &around);
   }
   for (const auto& [a, b, length] : best) remove_longer(a, b, length);
   for (const Edge& edge : added) put(edge);

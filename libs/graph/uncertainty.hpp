@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "libs/graph/edge.hpp"
+#include "libs/journal/note_bytes.hpp"
 
 namespace fusion_slam {
 
@@ -55,6 +56,10 @@ class GraphUncertainty {
   };
   Paths from(const NodeId& start) const;
 
+  // All of it in a journal note, and back. False: damaged; the graph is then empty.
+  void write(NoteWriter* out) const;
+  bool read(NoteReader* in);
+
   std::size_t n_nodes() const { return index_.size(); }
   std::size_t n_edges() const { return edges_.size() - free_edges_.size(); }
 
@@ -83,6 +88,7 @@ class GraphUncertainty {
   static Edge through(const Edge& a, const Edge& b, EdgeIs is);  // from a's neighbour to b's
   void hold_together(const std::map<int, Spoke>& spokes, std::vector<Edge>* added) const;
   void remove_longer(int a, int b, double length);
+  void remove_needless(int node, Paths* around);
   Paths from(int start) const;
 
   std::map<NodeId, int> index_;

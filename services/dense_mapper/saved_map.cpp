@@ -1,8 +1,6 @@
 #include "services/dense_mapper/saved_map.hpp"
 
-#include <cmath>
-#include <cstring>
-#include <type_traits>
+#include "libs/journal/note_bytes.hpp"
 
 namespace fusion_slam {
 namespace {
@@ -19,109 +17,24 @@ enum Piece : std::uint8_t {
   kBaseCloud = 8,
 };
 
-// Numbers as this machine has them in memory (little-endian on all that we run on): a journal is
-// read where it was written.
-class Out {
- public:
-  explicit Out(SavedBytes* bytes) : bytes_(bytes) {}
-
-  template <class Number>
-  void put(Number number) {
-    static_assert(std::is_arithmetic<Number>::value);
-    const std::size_t at = bytes_->size();
-    bytes_->resize(at + sizeof number);
-    std::memcpy(bytes_->data() + at, &number, sizeof number);
-  }
-  void pose(const SE3& T) {
-    for (int i = 0; i < 12; ++i) put(T.matrix()(i % 3, i / 3));
-  }
-  template <class Vector>
-  void vector(const Vector& v) {
-    for (int i = 0; i < 3; ++i) put(v[i]);
-  }
-  void some(const PackedBytes& some) {
-    put(static_cast<std::uint32_t>(some.size()));
-    bytes_->insert(bytes_->end(), some.begin(), some.end());
-  }
-
- private:
-  SavedBytes* bytes_;
-};
-
-class In {
- public:
-  In(const std::uint8_t* bytes, std::size_t size_bytes) : at_(bytes), left_(size_bytes) {}
-
-  template <class Number>
-  Number get() {
-    Number number{};
-    if (left_ < sizeof number) {
-      good_ = false;
-      left_ = 0;
-      return number;
-    }
-    std::memcpy(&number, at_, sizeof number);
-    at_ += sizeof number;
-    left_ -= sizeof number;
-    return number;
-  }
-  bool flag() { return get<std::uint8_t>() != 0; }
-  SE3 pose() {
-    SE3 T = SE3::Identity();
-    for (int i = 0; i < 12; ++i) T.matrix()(i % 3, i / 3) = finite(get<double>());
-    return T;
-  }
-  template <class Number>
-  Eigen::Matrix<Number, 3, 1> vector() {
-    Eigen::Matrix<Number, 3, 1> v;
-    for (int i = 0; i < 3; ++i) v[i] = static_cast<Number>(finite(get<Number>()));
-    return v;
-  }
-  PackedBytes some() {
-    const std::size_t size = count(1);
-    PackedBytes bytes(at_, at_ + size);
-    at_ += size;
-    left_ -= size;
-    return bytes;
-  }
-  // How many things of at least so many bytes follow: never more than there is room for.
-  std::size_t count(std::size_t each_bytes) {
-    const std::size_t n = get<std::uint32_t>();
-    if (n * each_bytes <= left_) return n;
-    good_ = false;
-    return 0;
-  }
-  bool good() const { return good_; }
-  bool more() const { return good_ && left_ > 0; }
-
- private:
-  double finite(double value) {
-    good_ = good_ && std::isfinite(value);
-    return value;
-  }
-  const std::uint8_t* at_;
-  std::size_t left_;
-  bool good_ = true;
-};
-
-void put_index(const CubeIndex& index, Out* out) {
+void put_index(const CubeIndex& index, NoteWriter* out) {
   out->put(index.x);
   out->put(index.y);
   out->put(index.z);
 }
-CubeIndex get_index(In* in) {
+CubeIndex get_index(NoteReader* in) {
   const int x = in->get<int>();
   const int y = in->get<int>();
   return {x, y, in->get<int>()};
 }
 
-void put_key(const TileKey& key, Out* out) {
+void put_key(const TileKey& key, NoteWriter* out) {
   out->put(key.submap_id);
   out->put(key.x);
   out->put(key.y);
   out->put(key.z);
 }
-TileKey get_key(In* in) {
+TileKey get_key(NoteReader* in) {
   TileKey key;
   key.submap_id = in->get<std::int64_t>();
   key.x = in->get<std::int32_t>();
@@ -130,20 +43,20 @@ TileKey get_key(In* in) {
   return key;
 }
 
-void put_place(const DenseSubmap& submap, Out* out) {
+void put_place(const DenseSubmap& submap, NoteWriter* out) {
   out->pose(submap.T_map_submap);
   out->pose(submap.T_true_base);
   out->put(static_cast<std::int32_t>(submap.newer));
   out->put(static_cast<std::int32_t>(submap.visits));
 }
-void get_place(In* in, DenseSubmap* submap) {
+void get_place(NoteReader* in, DenseSubmap* submap) {
   submap->T_map_submap = in->pose();
   submap->T_true_base = in->pose();
   submap->newer = in->get<std::int32_t>();
   submap->visits = in->get<std::int32_t>();
 }
 
-void put_content(const DenseSubmap& submap, Out* out) {
+void put_content(const DenseSubmap& submap, NoteWriter* out) {
   out->put(static_cast<std::int32_t>(submap.n_keyframes));
   out->put(static_cast<std::uint32_t>(submap.packed.size()));
   for (const auto& [index, bytes] : submap.packed) {
@@ -164,7 +77,7 @@ void put_content(const DenseSubmap& submap, Out* out) {
   out->put(static_cast<std::uint32_t>(submap.camera_positions_m.size()));
   for (const Eigen::Vector3d& p : submap.camera_positions_m) out->vector(p);
 }
-void get_content(In* in, DenseSubmap* submap) {
+void get_content(NoteReader* in, DenseSubmap* submap) {
   submap->closed = true;
   submap->n_keyframes = in->get<std::int32_t>();
   for (std::size_t n = in->count(16); n > 0 && in->good(); --n) {
@@ -184,7 +97,7 @@ void get_content(In* in, DenseSubmap* submap) {
     submap->camera_positions_m.emplace_back(in->vector<double>());
 }
 
-void get_values(In* in, SavedValues* values) {
+void get_values(NoteReader* in, SavedValues* values) {
   values->resolution_m = in->get<double>();
   values->first_id = in->get<std::int64_t>();
   values->base_upto = in->get<std::int64_t>();
@@ -231,7 +144,7 @@ void close(std::int64_t submap_id, SavedMap* map) {
   }
 }
 
-void read_piece(std::uint8_t piece, In* in, SavedMap* map) {
+void read_piece(std::uint8_t piece, NoteReader* in, SavedMap* map) {
   if (piece == kBaseCube) {
     const CubeIndex index = get_index(in);
     PackedBytes bytes = in->some();
@@ -271,7 +184,7 @@ void read_piece(std::uint8_t piece, In* in, SavedMap* map) {
 }  // namespace
 
 void SavedMapWriter::values(const SavedValues& values) {
-  Out out(&bytes_);
+  NoteWriter out(&bytes_);
   out.put(std::uint8_t{kValues});
   out.put(values.resolution_m);
   for (const std::int64_t number : {values.first_id, values.base_upto, values.newest_us,
@@ -298,7 +211,7 @@ void SavedMapWriter::values(const SavedValues& values) {
 }
 
 void SavedMapWriter::keyframe(std::int64_t id, const SavedKeyframe& keyframe) {
-  Out out(&bytes_);
+  NoteWriter out(&bytes_);
   out.put(std::uint8_t{kKeyframe});
   out.put(id);
   out.put(keyframe.submap_id);
@@ -306,14 +219,14 @@ void SavedMapWriter::keyframe(std::int64_t id, const SavedKeyframe& keyframe) {
 }
 
 void SavedMapWriter::integrated(std::int64_t first, std::int64_t last) {
-  Out out(&bytes_);
+  NoteWriter out(&bytes_);
   out.put(std::uint8_t{kIntegrated});
   out.put(first);
   out.put(last);
 }
 
 void SavedMapWriter::whole_submap(std::int64_t id, const DenseSubmap& submap) {
-  Out out(&bytes_);
+  NoteWriter out(&bytes_);
   out.put(std::uint8_t{kWholeSubmap});
   out.put(id);
   put_place(submap, &out);
@@ -321,27 +234,27 @@ void SavedMapWriter::whole_submap(std::int64_t id, const DenseSubmap& submap) {
 }
 
 void SavedMapWriter::placed_submap(std::int64_t id, const DenseSubmap& submap) {
-  Out out(&bytes_);
+  NoteWriter out(&bytes_);
   out.put(std::uint8_t{kPlacedSubmap});
   out.put(id);
   put_place(submap, &out);
 }
 
 void SavedMapWriter::gone_submap(std::int64_t id) {
-  Out out(&bytes_);
+  NoteWriter out(&bytes_);
   out.put(std::uint8_t{kGoneSubmap});
   out.put(id);
 }
 
 void SavedMapWriter::base_cube(const CubeIndex& index, const PackedBytes& bytes) {
-  Out out(&bytes_);
+  NoteWriter out(&bytes_);
   out.put(std::uint8_t{kBaseCube});
   put_index(index, &out);
   out.some(bytes);
 }
 
 void SavedMapWriter::base_cloud(const TileKey& key, const PackedBytes& bytes) {
-  Out out(&bytes_);
+  NoteWriter out(&bytes_);
   out.put(std::uint8_t{kBaseCloud});
   put_key(key, &out);
   out.some(bytes);
@@ -354,7 +267,7 @@ SavedBytes SavedMapWriter::take() {
 }
 
 bool read_saved(const std::uint8_t* bytes, std::size_t size_bytes, SavedMap* map) {
-  In in(bytes, size_bytes);
+  NoteReader in(bytes, size_bytes);
   if (in.get<std::uint8_t>() != kVersion) return false;
   while (in.more()) {
     const auto piece = in.get<std::uint8_t>();

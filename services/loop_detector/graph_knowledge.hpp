@@ -48,6 +48,10 @@ class GraphKnowledge {
                                    const NodeId& to) const;
   std::optional<Relative> relative(const NodeId& from, const NodeId& to) const;
 
+  // All of it in a journal note, and back. False: damaged.
+  void write(NoteWriter* out) const;
+  bool read(NoteReader* in);
+
   bool planar() const { return planar_; }
   std::size_t n_nodes() const { return nodes_.size(); }
   std::size_t n_edges() const { return edges_.n_edges(); }

@@ -79,7 +79,7 @@ StageVerdict LoopDetector::verify_by_lidar(const LoopKeyframe& older, const Loop
     const SE3 T_submap_now = in.T_submap_base * T_then_now;
     const SearchWindow window{config_.verify_window_m, config_.verify_window_rad, 0.02};
     const LidarCheck check =
-        check_scan(*submap, points->second, to_se2(T_submap_now), window, config);
+        check_scan(*submap, points->second.points_base, to_se2(T_submap_now), window, config);
     verdict.score = check.score;
     verdict.reason = check.reason;
     *opinion = check.opinion;

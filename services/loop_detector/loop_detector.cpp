@@ -59,7 +59,7 @@ std::vector<LoopCandidate> LoopDetector::add(const LoopScan& scan) {
 }
 
 void LoopDetector::remember(const LoopKeyframe& keyframe) {
-  if (keyframe.id <= last_keyframe_) return;
+  if (keyframe.id <= last_keyframe_) return complete(keyframe);
   const NodeId last{NodeKind::kKeyframe, last_keyframe_};
   if (retired_before_.count(keyframe.id) > 0) {
     ++counts_.keyframes;
@@ -72,18 +72,32 @@ void LoopDetector::remember(const LoopKeyframe& keyframe) {
   if (retired_before_.erase(last.id) > 0) graph_.retire(last);  // its successor hangs on it no more
 }
 
+// One that was restored without its features.
+void LoopDetector::complete(const LoopKeyframe& keyframe) {
+  if (kept_before_.erase(keyframe.id) == 0) return;
+  if (retired_before_.count(keyframe.id) == 0) return void(keep_features(keyframe));
+  ++counts_.retired;
+  if (keyframe.id == last_keyframe_) return;  // its successor will hang on it
+  retired_before_.erase(keyframe.id);
+  graph_.retire({NodeKind::kKeyframe, keyframe.id});
+}
+
 // Returned: keyframes that are old enough to be places now.
 std::vector<std::int64_t> LoopDetector::keep(const LoopKeyframe& keyframe) {
   ++counts_.keyframes;
   last_keyframe_ = keyframe.id;
   graph_.add(keyframe);
+  return keep_features(keyframe);
+}
+
+std::vector<std::int64_t> LoopDetector::keep_features(const LoopKeyframe& keyframe) {
   keyframe_times_[keyframe.utime_us] = keyframe.id;
   keyframes_.emplace(keyframe.id, keyframe);
   return places_.add(keyframe.id, keyframe.utime_us, keyframe.features);
 }
 
 void LoopDetector::remember(const LoopScan& scan) {
-  if (scan.id > last_scan_) keep(scan);
+  scan.id > last_scan_ ? keep(scan) : keep_points(scan);
 }
 
 void LoopDetector::keep(const LoopScan& scan) {
@@ -94,7 +108,11 @@ void LoopDetector::keep(const LoopScan& scan) {
   submaps_.add_scan(scan);
   links_.push_back(scan.id);
   forget_old_scans();
-  scans_[scan.id] = scan.points_base;
+  keep_points(scan);
+}
+
+void LoopDetector::keep_points(const LoopScan& scan) {
+  scans_[scan.id] = {scan.seq, scan.points_base};
   if (scans_.size() > config_.latest_scans) scans_.erase(scans_.begin());
 }
 

@@ -70,6 +70,16 @@ class LoopDetector {
 
   KnownPlacesNews take_news();  // since the last call
 
+  // All that it knows but the features of keyframes, the points of scans and the tiles: for another
+  // process of the same robot, which restores it before anything else and then remembers the
+  // messages that are needed. Bytes: docs/formats.md. False: damaged, or of another version; then
+  // it knows nothing.
+  void write(NoteWriter* out) const;
+  bool restore(NoteReader* in);
+  // Numbers (seq) of the KEYFRAMEs and LIDAR_NODEs that such a process needs.
+  std::set<std::int64_t> needed_keyframes() const;
+  std::set<std::int64_t> needed_scans() const;
+
   const LoopCounts& counts() const { return counts_; }
   // Of what is kept, for who watches that it grows with the area.
   struct Sizes {
@@ -93,7 +103,10 @@ class LoopDetector {
                                LoopCandidate* candidate, LidarOpinion* opinion);
   std::vector<Target> targets(const LoopScan& scan) const;
   std::vector<std::int64_t> keep(const LoopKeyframe& keyframe);
+  std::vector<std::int64_t> keep_features(const LoopKeyframe& keyframe);
+  void complete(const LoopKeyframe& keyframe);
   void keep(const LoopScan& scan);
+  void keep_points(const LoopScan& scan);
   bool due(const LoopScan& scan);
   std::vector<LoopCandidate> search(const LoopScan& scan, const Target& target);
   std::string rival_elsewhere(const LoopScan& scan, const Target& target, const SE2& T_submap_base);
@@ -119,9 +132,14 @@ class LoopDetector {
   std::int64_t last_keyframe_ = 0;
   std::set<std::int64_t> known_places_;    // seen many times
   std::set<std::int64_t> retired_before_;  // by an earlier process
+  std::set<std::int64_t> kept_before_;     // restored, the features not here yet
   std::deque<std::int64_t> links_;         // scans that may become mere links of their chain
   KnownPlacesNews news_;
-  std::map<std::int64_t, Points> scans_;  // points of the latest scans, for verification
+  struct ScanPoints {
+    std::int64_t seq = 0;
+    Points points_base;
+  };
+  std::map<std::int64_t, ScanPoints> scans_;  // of the latest scans, for verification
   std::int64_t last_scan_ = 0;
   std::int64_t chain_begins_at_ = 0;    // the scan since which each knows the one before
   std::optional<SE3> T_odom_searched_;  // where the LiDAR searched last

@@ -12,10 +12,6 @@ namespace {
 
 constexpr std::size_t kMaxEarly = 100;  // nodes of a kind that wait for the models
 
-NodeKind kind_of(std::int8_t kind) {
-  return kind == graph_node_t::LIDAR ? NodeKind::kLidar : NodeKind::kKeyframe;
-}
-
 }  // namespace
 
 LoopDetectorProcess::LoopDetectorProcess(Bus& bus, LoopDetectorConfig config)
@@ -36,24 +32,8 @@ LoopDetectorProcess::LoopDetectorProcess(Bus& bus, LoopDetectorConfig config)
                              [this](const keyframe_t& m) { on_keyframe(m); });
   bus_.subscribe<command_t>("COMMAND", Policy::kKeepAll,
                             [this](const command_t& m) { on_command(m); });
-  // Nodes of an earlier process are remembered, not searched again: what it found is in the graph.
-  bus_.keep_in_journal({"CAMERA_MODEL", "ROBOT_MODEL", "LIDAR_NODE", "KEYFRAME", "COMMAND"});
-  bus_.keep_said<constraint_t>("CONSTRAINT", [this](const constraint_t& m) { on_earlier_loop(m); });
-  bus_.on_note<graph_t>(kRetiredNote,
-                        [this](const graph_t& m) { take_note(m, &earlier_places_.retired); });
-  bus_.on_note<graph_t>(kKnownPlacesNote,
-                        [this](const graph_t& m) { take_note(m, &earlier_places_.known); });
+  keep_journal();
   bus_.set_state_text("waiting for ROBOT_MODEL");
-}
-
-void LoopDetectorProcess::on_earlier_loop(const constraint_t& message) {
-  if (const std::optional<SE3> T_from_to = from_message(message.T_from_to))
-    earlier_loops_.push_back({{kind_of(message.from_kind), message.from_id},
-                              {kind_of(message.to_kind), message.to_id},
-                              *T_from_to,
-                              covariance_from_message(message.covariance),
-                              {},
-                              "earlier loop"});
 }
 
 void LoopDetectorProcess::take(const LoopKeyframe& keyframe) {
@@ -86,10 +66,9 @@ void LoopDetectorProcess::start_when_ready() {
   if (!robot_) return;
   if (!detector_) {
     detector_ = std::make_unique<LoopDetector>(*robot_, config_);
-    detector_->remember(std::exchange(earlier_places_, {}));
+    go_on_where_it_ended();
     for (const Tile& tile : std::exchange(early_tiles_, {})) detector_->add_tile(tile);
     for (const LoopScan& scan : std::exchange(early_scans_, {})) take(scan);
-    for (const LoopMeasurement& loop : std::exchange(earlier_loops_, {})) detector_->remember(loop);
   }
   if (!camera_) return;
   detector_->set_camera(*camera_);
@@ -142,6 +121,7 @@ void LoopDetectorProcess::on_command(const command_t& message) {
     if (!detector_) return;
     detector_ = std::make_unique<LoopDetector>(*robot_, config_);
     if (camera_) detector_->set_camera(*camera_);
+    if (!bus_.recovering()) write_down();  // what was noted of the old map is void
     return say_state();
   }
   const bool for_us = message.target.empty() || message.target == "loop_detector";
@@ -157,13 +137,6 @@ void LoopDetectorProcess::publish(const std::vector<LoopCandidate>& decided) {
   }
   note_news();
   say_state();
-}
-
-// A process that is built up again from the journal needs no GRAPH to come to the same places.
-void LoopDetectorProcess::note_news() {
-  const KnownPlacesNews news = detector_->take_news();
-  if (!news.retired.empty()) bus_.note(kRetiredNote, note_of(news.retired));
-  if (!news.known.empty()) bus_.note(kKnownPlacesNote, note_of(news.known));
 }
 
 void LoopDetectorProcess::say_state() {

@@ -13,6 +13,7 @@
 #include "fusion_slam/command_t.hpp"
 #include "fusion_slam/constraint_t.hpp"
 #include "fusion_slam/graph_t.hpp"
+#include "fusion_slam/journal_note_t.hpp"
 #include "fusion_slam/robot_model_t.hpp"
 #include "libs/bus/bus.hpp"
 #include "libs/bus/reset_gate.hpp"
@@ -36,7 +37,11 @@ class LoopDetectorProcess {
   void on_graph(const graph_t& message);
   void on_command(const command_t& message);
   void start_when_ready();
+  void keep_journal();
   void on_earlier_loop(const constraint_t& message);
+  void on_saved(const journal_note_t& message);
+  void write_down();
+  void go_on_where_it_ended();
   void take(const LoopKeyframe& keyframe);
   void take(const LoopScan& scan);
   void publish(const std::vector<LoopCandidate>& decided);
@@ -53,7 +58,8 @@ class LoopDetectorProcess {
   std::vector<LoopKeyframe> early_keyframes_;
   std::vector<LoopScan> early_scans_;
   std::vector<Tile> early_tiles_;
-  std::vector<LoopMeasurement> earlier_loops_;     // of an earlier process, by the journal
+  std::vector<std::uint8_t> saved_;                // an earlier process's state, by the journal
+  std::vector<LoopMeasurement> earlier_loops_;     // since then
   KnownPlacesNews earlier_places_;                 // likewise
   std::set<std::pair<NodeId, NodeId>> known_off_;  // loops that the graph has switched off
 };

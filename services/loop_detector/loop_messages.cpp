@@ -11,6 +11,7 @@ namespace {
 template <class Message, class Node>
 bool common_part(const Message& message, Node* node, std::string* why) {
   node->id = message.id;
+  node->seq = message.seq;
   node->utime_us = message.utime;
   node->previous_id = message.previous_id;
   const std::optional<SE3> T_odom_base = from_message(message.T_odom_base);
@@ -27,6 +28,21 @@ bool common_part(const Message& message, Node* node, std::string* why) {
 }
 
 }  // namespace
+
+NodeKind kind_of(std::int8_t kind) {
+  return kind == graph_node_t::LIDAR ? NodeKind::kLidar : NodeKind::kKeyframe;
+}
+
+std::optional<LoopMeasurement> from_message(const constraint_t& message) {
+  const std::optional<SE3> T_from_to = from_message(message.T_from_to);
+  if (!T_from_to) return std::nullopt;
+  return LoopMeasurement{{kind_of(message.from_kind), message.from_id},
+                         {kind_of(message.to_kind), message.to_id},
+                         *T_from_to,
+                         covariance_from_message(message.covariance),
+                         {},
+                         "earlier loop"};
+}
 
 std::optional<LoopKeyframe> from_message(const keyframe_t& message, std::string* why) {
   LoopKeyframe keyframe;

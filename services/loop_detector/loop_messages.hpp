@@ -18,6 +18,10 @@ namespace fusion_slam {
 std::optional<LoopKeyframe> from_message(const keyframe_t& message, std::string* why);
 std::optional<LoopScan> from_message(const lidar_node_t& message, std::string* why);
 
+// An edge that was found earlier, without its features. Nothing: T_from_to is no rigid motion.
+std::optional<LoopMeasurement> from_message(const constraint_t& message);
+NodeKind kind_of(std::int8_t kind);  // graph_node_t's
+
 loop_candidate_t to_message(const LoopCandidate& candidate);
 constraint_t to_message(const LoopMeasurement& loop, std::int64_t utime_us);
 

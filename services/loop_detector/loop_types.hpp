@@ -15,6 +15,7 @@ namespace fusion_slam {
 
 struct LoopKeyframe {
   std::int64_t id = 0;
+  std::int64_t seq = 0;  // of its message; 0: unknown
   std::int64_t utime_us = 0;
   SE3 T_odom_base = SE3::Identity();
   std::int64_t previous_id = 0;  // 0: none
@@ -29,6 +30,7 @@ struct LoopScan {
     SE3 T_submap_base = SE3::Identity();
   };
   std::int64_t id = 0;
+  std::int64_t seq = 0;  // of its message; 0: unknown
   std::int64_t utime_us = 0;
   SE3 T_odom_base = SE3::Identity();
   std::int64_t previous_id = 0;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "libs/journal/note_bytes.hpp"
 #include "libs/scan_matching/search_pyramid.hpp"
 #include "libs/tiles/tile.hpp"
 #include "services/loop_detector/loop_types.hpp"
@@ -42,6 +43,10 @@ class SubmapStore {
   const std::map<std::int64_t, Submap>& all() const { return submaps_; }
   // Submaps that a scan was inserted into; empty: unknown.
   const std::vector<LoopScan::Membership>& submaps_of(std::int64_t node_id) const;
+
+  // Which scans lie where, in a journal note, and back; tiles come again from who made them.
+  void write(NoteWriter* out) const;
+  void read(NoteReader* in);
 
   // Good until the next call; nullptr when no tile of it came.
   const UnpackedSubmap* unpacked(std::int64_t submap_id);

@@ -141,6 +141,63 @@ TEST(GraphUncertainty, RoundsThatAreRetiredLeaveNothingBehind) {
   EXPECT_LT(graph.n_edges(), 100U);
 }
 
+// With holes where nodes and edges were, and all three sorts of edges.
+TEST(GraphUncertainty, WrittenDownAndReadBackItSaysTheSame) {
+  std::mt19937 random(3);
+  GraphUncertainty graph;
+  for (int id = 2; id <= 60; ++id) {
+    graph.add_edge(node(id - 1), node(id), from_xyz_rpy(0.1 * id, 0, 0.2, 0, 0.1, 0.3),
+                   small(0.01, 0.001));
+    const NodeId other = node(1 + static_cast<int>(random() % id));
+    graph.add_edge(other, node(id), from_xyz_rpy(1, 2, 0, 0, 0, 1), small(0.02, 0.002), true);
+    if (id % 3 == 0) graph.retire(node(id - 1));
+    if (id % 10 == 0) graph.remove_loops(other, node(id));
+  }
+  std::vector<std::uint8_t> bytes;
+  NoteWriter out(&bytes);
+  graph.write(&out);
+  GraphUncertainty back;
+  NoteReader in(bytes.data(), bytes.size());
+  ASSERT_TRUE(back.read(&in));
+  EXPECT_FALSE(in.more());
+  EXPECT_EQ(back.n_nodes(), graph.n_nodes());
+  EXPECT_EQ(back.n_edges(), graph.n_edges());
+  std::size_t reached = 0;
+  const auto compare = [&] {
+    for (int a = 1; a <= 60; ++a)
+      for (int b = 1; b <= 60; ++b) {
+        const auto was = graph.from(node(a)).to(node(b));
+        const auto is = back.from(node(a)).to(node(b));
+        ASSERT_EQ(is.has_value(), was.has_value());
+        if (!is) continue;
+        ++reached;
+        EXPECT_TRUE(is->covariance.isApprox(was->covariance, 1e-9)) << a << " " << b;
+      }
+  };
+  compare();
+  for (int id = 1; id <= 60; id += 7)
+    for (GraphUncertainty* g : {&graph, &back}) g->retire(node(id));
+  compare();
+  EXPECT_GT(reached, 1000U);
+}
+
+TEST(GraphUncertainty, DamagedBytesAreRefused) {
+  GraphUncertainty graph;
+  graph.add_edge(node(1), node(2), SE3::Identity(), small(0.01, 0.001));
+  std::vector<std::uint8_t> bytes;
+  NoteWriter out(&bytes);
+  graph.write(&out);
+  for (std::size_t n = 0; n < bytes.size(); ++n) {
+    GraphUncertainty back;
+    NoteReader in(bytes.data(), n);
+    EXPECT_FALSE(back.read(&in)) << n;
+    EXPECT_EQ(back.n_nodes(), 0U);
+  }
+  bytes[4 + 2 * 9 + 4] = 7;  // the edge's first end: no such node
+  NoteReader in(bytes.data(), bytes.size());
+  EXPECT_FALSE(GraphUncertainty().read(&in));
+}
+
 TEST(GraphUncertainty, NonsenseIsIgnored) {
   GraphUncertainty graph;
   graph.add_edge(node(1), node(1), SE3::Identity(), small(1, 1));

@@ -1,4 +1,6 @@
 // Round after round past the same places: what is kept, what is spared, and what a restart knows.
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "tests/services/loop_detector/made_up_places.hpp"
@@ -28,6 +30,7 @@ class Rounds {
     LoopKeyframe keyframe =
         keyframe_at(id, see_place(make_place(static_cast<unsigned>(id % kPlaces), 150), camera,
                                   SE3::Identity(), static_cast<unsigned>(id)));
+    keyframe.seq = id + 1000;
     keyframe.T_odom_base = pose(id);
     keyframe.previous_id = id - 1;
     if (id > 1) keyframe.T_previous_base = pose(id - 1).inverse() * pose(id);
@@ -70,7 +73,36 @@ class Rounds {
     return other;
   }
 
-  const LoopDetector& detector() const { return detector_; }
+  // What is noted now: then what comes is new.
+  void write_down() {
+    state_.clear();
+    NoteWriter out(&state_);
+    detector_.write(&out);
+    loops_.clear();
+    news_ = {};
+    written_ = last_;
+    needed_ = detector_.needed_keyframes();
+  }
+
+  // Another process, from what was written down and from the messages that were needed then or came
+  // later.
+  Rounds restored() const {
+    Rounds other;
+    NoteReader in(state_.data(), state_.size());
+    EXPECT_TRUE(other.detector_.restore(&in));
+    other.detector_.remember(news_);
+    for (const LoopMeasurement& loop : loops_) other.detector_.remember(loop);
+    for (std::int64_t id = 1; id <= last_; ++id)
+      if (id > written_ || needed_.count(id + 1000) > 0) other.detector_.remember(keyframe(id));
+    for (std::int64_t id = written_ + 1; id <= last_; ++id)
+      other.detector_.moved({NodeKind::kKeyframe, id}, pose(id));
+    other.last_ = last_;
+    return other;
+  }
+  const std::vector<std::uint8_t>& state() const { return state_; }
+  std::size_t needed() const { return needed_.size(); }
+
+  LoopDetector& detector() { return detector_; }
 
  private:
   CameraModel camera_;
@@ -78,7 +110,27 @@ class Rounds {
   std::int64_t last_ = 0;
   std::vector<LoopMeasurement> loops_;
   KnownPlacesNews news_;
+  std::vector<std::uint8_t> state_;
+  std::int64_t written_ = 0;
+  std::set<std::int64_t> needed_;
 };
+
+void expect_the_same(Rounds* expected, Rounds* got) {
+  EXPECT_EQ(got->detector().sizes().places, expected->detector().sizes().places);
+  EXPECT_EQ(got->detector().sizes().keyframes, expected->detector().sizes().keyframes);
+  EXPECT_EQ(got->detector().sizes().nodes, expected->detector().sizes().nodes);
+  EXPECT_EQ(got->detector().counts().retired, expected->detector().counts().retired);
+  const auto then = expected->drive(2);
+  const auto now = got->drive(2);
+  ASSERT_FALSE(then.empty());
+  ASSERT_EQ(now.size(), then.size());
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    EXPECT_EQ(now[i].from, then[i].from);
+    EXPECT_EQ(now[i].to, then[i].to);
+    EXPECT_EQ(now[i].accepted, then[i].accepted);
+  }
+  EXPECT_EQ(got->detector().sizes().places, expected->detector().sizes().places);
+}
 
 TEST(KnownPlaces, SeenFewTimesNothingGoesAndNothingIsSpared) {
   Rounds rounds;
@@ -126,19 +178,37 @@ TEST(KnownPlaces, ARestartKnowsThemAsIfItHadNotBeen) {
   Rounds rounds;
   rounds.drive(9);
   Rounds again = rounds.built_up_again();
-  EXPECT_EQ(again.detector().sizes().places, rounds.detector().sizes().places);
-  EXPECT_EQ(again.detector().sizes().keyframes, rounds.detector().sizes().keyframes);
-  EXPECT_EQ(again.detector().sizes().nodes, rounds.detector().sizes().nodes);
-  const auto expected = rounds.drive(2);
-  const auto got = again.drive(2);
-  ASSERT_FALSE(expected.empty());
-  ASSERT_EQ(got.size(), expected.size());
-  for (std::size_t i = 0; i < got.size(); ++i) {
-    EXPECT_EQ(got[i].from, expected[i].from);
-    EXPECT_EQ(got[i].to, expected[i].to);
-    EXPECT_EQ(got[i].accepted, expected[i].accepted);
+  expect_the_same(&rounds, &again);
+}
+
+TEST(KnownPlaces, ARestartGoesOnFromWhatWasWrittenDown) {
+  for (const std::int64_t later : {0, 1, 3}) {  // rounds
+    Rounds rounds;
+    rounds.drive(9);
+    rounds.write_down();
+    EXPECT_LT(rounds.needed(), 9U * kPlaces);
+    rounds.drive(later);
+    Rounds again = rounds.restored();
+    expect_the_same(&rounds, &again);
   }
-  EXPECT_EQ(again.detector().sizes().places, rounds.detector().sizes().places);
+}
+
+TEST(KnownPlaces, ADamagedStateIsRefusedAndNothingIsKnown) {
+  Rounds rounds;
+  rounds.drive(2);
+  rounds.write_down();
+  const std::vector<std::uint8_t> state = rounds.state();
+  for (std::size_t n = 0; n < state.size(); n += 1 + n / 50) {
+    Rounds other;
+    NoteReader in(state.data(), n);
+    EXPECT_FALSE(other.detector().restore(&in)) << n << " bytes";
+    EXPECT_EQ(other.detector().sizes().nodes, 0U);
+    EXPECT_EQ(other.detector().sizes().edges, 0U);
+  }
+  std::vector<std::uint8_t> more = state;
+  more.push_back(0);
+  NoteReader in(more.data(), more.size());
+  EXPECT_FALSE(Rounds().detector().restore(&in));
 }
 
 }  // namespace

@@ -10,34 +10,12 @@
 #include "libs/bus/transport.hpp"
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
+#include "tests/services/loop_detector/keyframe_message.hpp"
 #include "tests/services/loop_detector/made_up_places.hpp"
 #include "tests/support/test_bus.hpp"
 
 namespace fusion_slam {
 namespace {
-
-keyframe_t message_of(const LoopKeyframe& keyframe) {
-  keyframe_t m{};
-  m.utime = keyframe.utime_us;
-  m.id = keyframe.id;
-  m.T_odom_base = to_message(keyframe.T_odom_base, keyframe.utime_us);
-  m.T_previous_base = m.T_odom_base;
-  m.n = static_cast<std::int32_t>(keyframe.features.size());
-  m.n_descriptor_bytes = m.n * 32;
-  m.descriptors.resize(m.n_descriptor_bytes);
-  for (int i = 0; i < m.n; ++i) {
-    const Feature& f = keyframe.features.features[i];
-    m.u_px.push_back(f.u_px);
-    m.v_px.push_back(f.v_px);
-    m.depth_m.push_back(f.depth_m);
-    m.angle_rad.push_back(f.angle_rad);
-    m.octave.push_back(f.octave);
-    m.depth_sigma_m.push_back(f.depth_sigma_m);
-    m.landmark_id.push_back(0);
-    descriptor_to_bytes(keyframe.features.descriptors[i], m.descriptors.data() + 32 * i);
-  }
-  return m;
-}
 
 TEST(LoopDetectorProcess, PublishesCandidatesAndOnlyAcceptedConstraints) {
   for (const bool far : {false, true}) {
