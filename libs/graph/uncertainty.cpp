@@ -49,15 +49,17 @@ void GraphUncertainty::put(const Edge& edge) {
     free_edges_.pop_back();
     edges_[static_cast<std::size_t>(number)] = edge;
   }
-  neighbours_[static_cast<std::size_t>(edge.from)].push_back(number);
-  neighbours_[static_cast<std::size_t>(edge.to)].push_back(number);
+  neighbours_[static_cast<std::size_t>(edge.from)].push_back({number, edge.to, edge.length});
+  neighbours_[static_cast<std::size_t>(edge.to)].push_back({number, edge.from, edge.length});
 }
 
 void GraphUncertainty::remove(int edge) {
   const Edge& e = edges_[static_cast<std::size_t>(edge)];
   for (const int end : {e.from, e.to}) {
-    std::vector<int>& all = neighbours_[static_cast<std::size_t>(end)];
-    all.erase(std::remove(all.begin(), all.end(), edge), all.end());
+    std::vector<Arc>& all = neighbours_[static_cast<std::size_t>(end)];
+    all.erase(
+        std::remove_if(all.begin(), all.end(), [edge](const Arc& a) { return a.edge == edge; }),
+        all.end());
   }
   free_edges_.push_back(edge);
 }
@@ -66,19 +68,20 @@ void GraphUncertainty::remove_loops(const NodeId& from, const NodeId& to) {
   const auto a = index_.find(from);
   const auto b = index_.find(to);
   if (a == index_.end() || b == index_.end()) return;
-  const std::vector<int> all = neighbours_[static_cast<std::size_t>(a->second)];
-  for (const int e : all) {
-    const Edge& edge = edges_[static_cast<std::size_t>(e)];
-    if (edge.is == EdgeIs::kLoop && edge.from == a->second && edge.to == b->second) remove(e);
+  const std::vector<Arc> all = neighbours_[static_cast<std::size_t>(a->second)];
+  for (const Arc& arc : all) {
+    const Edge& edge = edges_[static_cast<std::size_t>(arc.edge)];
+    if (edge.is == EdgeIs::kLoop && edge.from == a->second && edge.to == b->second)
+      remove(arc.edge);
   }
 }
 
 std::map<int, GraphUncertainty::Spoke> GraphUncertainty::take_out(int node) {
   std::map<int, Spoke> spokes;
-  const std::vector<int> all = neighbours_[static_cast<std::size_t>(node)];
-  for (const int e : all) {
-    Edge edge = edges_[static_cast<std::size_t>(e)];
-    remove(e);
+  const std::vector<Arc> all = neighbours_[static_cast<std::size_t>(node)];
+  for (const Arc& arc : all) {
+    Edge edge = edges_[static_cast<std::size_t>(arc.edge)];
+    remove(arc.edge);
     if (edge.from == node)
       edge = {edge.to,
               node,
@@ -117,24 +120,22 @@ void GraphUncertainty::hold_together(const std::map<int, Spoke>& spokes,
 
 // No best path uses an edge that another path is shorter than.
 void GraphUncertainty::remove_longer(int a, int b, double length) {
-  const std::vector<int> all = neighbours_[static_cast<std::size_t>(a)];
-  for (const int e : all) {
-    const Edge& edge = edges_[static_cast<std::size_t>(e)];
-    if ((edge.from == b || edge.to == b) && edge.is != EdgeIs::kLasting && edge.length > length)
-      remove(e);
+  const std::vector<Arc> all = neighbours_[static_cast<std::size_t>(a)];
+  for (const Arc& arc : all) {
+    const Edge& edge = edges_[static_cast<std::size_t>(arc.edge)];
+    if (arc.other == b && edge.is != EdgeIs::kLasting && edge.length > length) remove(arc.edge);
   }
 }
 
 // Shortcuts that better paths have come to lead around since; else contraction fills the graph.
 void GraphUncertainty::remove_needless(int node, Paths* around) {
-  const std::vector<int> all = neighbours_[static_cast<std::size_t>(node)];
-  for (const int e : all) {
-    const Edge& edge = edges_[static_cast<std::size_t>(e)];
+  const std::vector<Arc> all = neighbours_[static_cast<std::size_t>(node)];
+  for (const Arc& arc : all) {
+    const Edge& edge = edges_[static_cast<std::size_t>(arc.edge)];
     if (edge.is != EdgeIs::kShortcut) continue;
-    const int other = edge.from == node ? edge.to : edge.from;
-    if (around->reach(other, edge.length) &&
-        around->length_[static_cast<std::size_t>(other)] < edge.length)
-      remove(e);
+    if (around->reach(arc.other, arc.length) &&
+        around->length_[static_cast<std::size_t>(arc.other)] < arc.length)
+      remove(arc.edge);
   }
 }
 
@@ -190,14 +191,12 @@ bool GraphUncertainty::Paths::reach(int node, double most) {
     open_.pop();
     if (settled_[static_cast<std::size_t>(at)]) continue;
     settled_[static_cast<std::size_t>(at)] = true;
-    for (const int e : graph_->neighbours_[static_cast<std::size_t>(at)]) {
-      const Edge& edge = graph_->edges_[static_cast<std::size_t>(e)];
-      const int other = edge.from == at ? edge.to : edge.from;
-      const double there = so_far + edge.length;
-      if (there >= length_[static_cast<std::size_t>(other)]) continue;
-      length_[static_cast<std::size_t>(other)] = there;
-      edge_to_[static_cast<std::size_t>(other)] = e;
-      open_.emplace(there, other);
+    for (const Arc& arc : graph_->neighbours_[static_cast<std::size_t>(at)]) {
+      const double there = so_far + arc.length;
+      if (there >= length_[static_cast<std::size_t>(arc.other)]) continue;
+      length_[static_cast<std::size_t>(arc.other)] = there;
+      edge_to_[static_cast<std::size_t>(arc.other)] = arc.edge;
+      open_.emplace(there, arc.other);
     }
   }
   return true;

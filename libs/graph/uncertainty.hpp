@@ -92,7 +92,12 @@ class GraphUncertainty {
   Paths from(int start) const;
 
   std::map<NodeId, int> index_;
-  std::vector<std::vector<int>> neighbours_;  // edges of a node
+  struct Arc {  // an edge as one of its ends has it: what searches need, side by side
+    int edge = 0;
+    int other = 0;
+    double length = 0.0;
+  };
+  std::vector<std::vector<Arc>> neighbours_;  // of a node
   std::vector<Edge> edges_;
   std::vector<int> free_nodes_, free_edges_;  // numbers that are not in use
 };

@@ -9,6 +9,7 @@ namespace {
 
 constexpr const char* kState = "LOOP_STATE";
 constexpr std::size_t kHeadBytes = 8;  // reset's border
+constexpr int kKeyframesAState = 250;  // two minutes of driving; a state is a few MB
 
 }  // namespace
 
@@ -49,6 +50,7 @@ void LoopDetectorProcess::on_saved(const journal_note_t& message) {
 }
 
 void LoopDetectorProcess::write_down() {
+  keyframes_since_written_ = 0;
   const std::int64_t border_us = reset_.border_us();
   journal_note_t message{};
   message.data.resize(kHeadBytes);
@@ -57,6 +59,11 @@ void LoopDetectorProcess::write_down() {
   if (detector_) detector_->write(&out);
   message.size_bytes = static_cast<std::int32_t>(message.data.size());
   bus_.note(kState, message);
+}
+
+// A restart contracts again what went since then.
+void LoopDetectorProcess::write_down_now_and_then() {
+  if (bus_.mode() == Mode::kLive && ++keyframes_since_written_ >= kKeyframesAState) write_down();
 }
 
 void LoopDetectorProcess::go_on_where_it_ended() {

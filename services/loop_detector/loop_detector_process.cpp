@@ -39,6 +39,7 @@ LoopDetectorProcess::LoopDetectorProcess(Bus& bus, LoopDetectorConfig config)
 void LoopDetectorProcess::take(const LoopKeyframe& keyframe) {
   if (bus_.recovering()) return detector_->remember(keyframe);
   publish(detector_->add(keyframe));
+  write_down_now_and_then();
 }
 
 void LoopDetectorProcess::take(const LoopScan& scan) {

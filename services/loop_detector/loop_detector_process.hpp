@@ -41,6 +41,7 @@ class LoopDetectorProcess {
   void on_earlier_loop(const constraint_t& message);
   void on_saved(const journal_note_t& message);
   void write_down();
+  void write_down_now_and_then();
   void go_on_where_it_ended();
   void take(const LoopKeyframe& keyframe);
   void take(const LoopScan& scan);
@@ -58,7 +59,8 @@ class LoopDetectorProcess {
   std::vector<LoopKeyframe> early_keyframes_;
   std::vector<LoopScan> early_scans_;
   std::vector<Tile> early_tiles_;
-  std::vector<std::uint8_t> saved_;                // an earlier process's state, by the journal
+  std::vector<std::uint8_t> saved_;  // an earlier process's state, by the journal
+  int keyframes_since_written_ = 0;
   std::vector<LoopMeasurement> earlier_loops_;     // since then
   KnownPlacesNews earlier_places_;                 // likewise
   std::set<std::pair<NodeId, NodeId>> known_off_;  // loops that the graph has switched off

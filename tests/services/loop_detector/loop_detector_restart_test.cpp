@@ -9,6 +9,7 @@
 
 #include "fusion_slam/status_t.hpp"
 #include "libs/bus/transport.hpp"
+#include "libs/journal/journal.hpp"
 #include "libs/messages/models.hpp"
 #include "services/loop_detector/loop_detector_process.hpp"
 #include "tests/services/loop_detector/keyframe_message.hpp"
@@ -93,6 +94,11 @@ class World {
     }
     return found_.count(id) == 0;
   }
+  int states_in_journal() const {
+    int n = 0;
+    read_journal(journal_, [&n](const LogEvent& event) { n += event.channel == "LOOP_STATE"; });
+    return n;
+  }
   std::string state() const { return detector_->status().state_text; }
   std::string error() const { return detector_->status().last_error; }
 
@@ -125,8 +131,8 @@ class World {
 
 constexpr int kPlaces = 25;
 
-void drive(World* world) {
-  for (int id = 1; id <= kPlaces; ++id) world->see(id, id);
+void drive(World* world, int n = kPlaces) {
+  for (int id = 1; id <= n; ++id) world->see(id, id);
 }
 
 TEST(LoopDetectorRestart, APlaceOfBeforeIsKnownAgain) {
@@ -155,6 +161,18 @@ TEST(LoopDetectorRestart, WhatCameAfterTheJournalWasWrittenAnewIsKnownToo) {
   world.start();
   EXPECT_TRUE(world.finds(2 * kPlaces + 1, 3, 3));
   EXPECT_TRUE(world.finds(2 * kPlaces + 2, kPlaces + 5, kPlaces + 5));
+}
+
+// Long enough for a state to be written now and then.
+TEST(LoopDetectorRestart, ALongDriveIsKnownFromItsStates) {
+  World world;
+  drive(&world, 270);
+  world.stop();
+  EXPECT_EQ(world.states_in_journal(), 1);
+  world.start();
+  EXPECT_TRUE(world.finds(271, 3, 3));
+  EXPECT_TRUE(world.finds(272, 255, 255)) << "what came after the state";
+  EXPECT_EQ(world.state().substr(0, 13), "272 keyframes");
 }
 
 TEST(LoopDetectorRestart, AfterAResetThePlacesOfBeforeAreForgotten) {
