@@ -127,18 +127,6 @@ void GraphUncertainty::remove_longer(int a, int b, double length) {
   }
 }
 
-// Shortcuts that better paths have come to lead around since; else contraction fills the graph.
-void GraphUncertainty::remove_needless(int node, Paths* around) {
-  const std::vector<Arc> all = neighbours_[static_cast<std::size_t>(node)];
-  for (const Arc& arc : all) {
-    const Edge& edge = edges_[static_cast<std::size_t>(arc.edge)];
-    if (edge.is != EdgeIs::kShortcut) continue;
-    if (around->reach(arc.other, arc.length) &&
-        around->length_[static_cast<std::size_t>(arc.other)] < arc.length)
-      remove(arc.edge);
-  }
-}
-
 void GraphUncertainty::retire(const NodeId& node) {
   const auto found = index_.find(node);
   if (found == index_.end()) return;
@@ -160,7 +148,6 @@ void GraphUncertainty::retire(const NodeId& node) {
           shorter ? around.length_[static_cast<std::size_t>(b->first)] : length_through);
       if (!shorter) added.push_back(through(a->second.edge, b->second.edge, EdgeIs::kShortcut));
     }
-    remove_needless(a->first, &around);
   }
   for (const auto& [a, b, length] : best) remove_longer(a, b, length);
   for (const Edge& edge : added) put(edge);

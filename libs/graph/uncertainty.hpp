@@ -88,7 +88,6 @@ class GraphUncertainty {
   static Edge through(const Edge& a, const Edge& b, EdgeIs is);  // from a's neighbour to b's
   void hold_together(const std::map<int, Spoke>& spokes, std::vector<Edge>* added) const;
   void remove_longer(int a, int b, double length);
-  void remove_needless(int node, Paths* around);
   Paths from(int start) const;
 
   std::map<NodeId, int> index_;
