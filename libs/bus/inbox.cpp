@@ -57,6 +57,9 @@ bool Inbox::push(InboxItem item) {
     ++channel.counters.duplicated;
     return false;
   }
+  // Nobody waits for what a newer one has taken the place of.
+  if (channel.has_seq && mode_ == Mode::kLive && channel.policy == Policy::kLatestOnly)
+    channel.sequence.never_given(0, item.seq);
   InboxCounters& counters = channel.counters;
   ++counters.received;
   counters.bytes += static_cast<std::int64_t>(item.bytes.size());

@@ -18,6 +18,7 @@ SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_
   newest_utime_us_ = std::max(newest_utime_us_, utime_us);
   if (!joined_) {
     joined_ = true;
+    told_ = published_before_ > 0;
     floor_ = seq;
     highest_ = seq;
     // So far behind it was sent again, because somebody asked: what lies between was sent before
@@ -28,7 +29,7 @@ SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_
   }
   if (seq < floor_) return before_floor_.insert(seq).second ? Seen::kNew : Seen::kDuplicate;
   if (seq > highest_) {
-    expect(seq, now_us);
+    note_gaps(seq, now_us);
     missing_.erase(seq);
     return Seen::kNew;
   }
@@ -44,10 +45,12 @@ void SequenceTracker::was_handled(std::int64_t seq, std::int64_t utime_us, std::
   } else {
     see(seq, utime_us, now_us);
   }
+  told_ = true;
 }
 
 void SequenceTracker::restart() {
   joined_ = false;
+  told_ = false;
   floor_ = 1;
   highest_ = 0;
   published_before_ = 0;
@@ -62,8 +65,27 @@ bool SequenceTracker::was_seen(std::int64_t seq) const {
 }
 
 void SequenceTracker::expect(std::int64_t count, std::int64_t now_us) {
-  if (!joined_) published_before_ = std::clamp<std::int64_t>(count, 0, INT64_MAX - 1);
-  if (!joined_ || count <= highest_) return;
+  if (!joined_) {
+    published_before_ = std::clamp<std::int64_t>(count, 0, INT64_MAX - 1);
+    return;
+  }
+  if (!std::exchange(told_, true) && count > kOnTheWay && floor_ <= count - kOnTheWay)
+    join_behind(std::min(count, INT64_MAX - 1));
+  note_gaps(count, now_us);
+}
+
+// What came until now was sent again, for somebody: only now the publisher says how far it is.
+void SequenceTracker::join_behind(std::int64_t count) {
+  const std::int64_t last = std::min(highest_, count);
+  for (std::int64_t n = 0; n < std::min(last - floor_ + 1, kMostGaps); ++n)
+    if (was_seen(last - n)) before_floor_.insert(last - n);
+  missing_.erase(missing_.begin(), missing_.upper_bound(count));
+  floor_ = count + 1;
+  highest_ = std::max(highest_, count);
+}
+
+void SequenceTracker::note_gaps(std::int64_t count, std::int64_t now_us) {
+  if (count <= highest_) return;
   // Forged or absurd numbers must not make us remember millions of gaps.
   const std::int64_t first = std::max({highest_ + 1, floor_, count - kMostGaps});
   for (std::int64_t gap = 0; gap <= count - first; ++gap) missing_.emplace(first + gap, now_us);

@@ -16,9 +16,9 @@ class SequenceTracker {
 
   // from_start: the stream is known to begin at 1 (replay), so 1 is missing until it arrives.
   // Otherwise the first number that arrives is where this listener joined, and nothing before it is
-  // missing; nor is what the publisher is known to have sent by then (expect()): the first to
-  // arrive may be sent again, long after its turn.
-  explicit SequenceTracker(bool from_start) : joined_(from_start), floor_(1) {}
+  // missing; nor is what the publisher is known to have sent by then, or first says that it had
+  // sent (expect()): the first to arrive may be sent again, long after its turn.
+  explicit SequenceTracker(bool from_start) : joined_(from_start), told_(from_start), floor_(1) {}
 
   // A message with number seq (>= 1), measured at utime_us, arrived at now_us (any monotonic
   // clock). A number that was seen before with a newer measurement than all others begins a new
@@ -54,8 +54,11 @@ class SequenceTracker {
 
  private:
   bool was_seen(std::int64_t seq) const;
+  void join_behind(std::int64_t count);
+  void note_gaps(std::int64_t count, std::int64_t now_us);
 
   bool joined_;
+  bool told_;                          // by the publisher, how far it is
   std::int64_t floor_;                 // first number of this listener's stream
   std::int64_t highest_ = 0;           // newest seen or expected
   std::int64_t published_before_ = 0;  // as told before this listener joined

@@ -28,6 +28,19 @@ TEST(Inbox, LatestOnlyKeepsTheNewestAndCountsTheRest) {
   EXPECT_FALSE(inbox.pop(1000));
 }
 
+TEST(Inbox, LatestOnlyMissesNothingThatANewerOneHasTakenThePlaceOf) {
+  for (const Mode mode : {Mode::kLive, Mode::kThroughput}) {
+    Inbox inbox(mode, 10, 0);
+    const auto model = inbox.add_channel("ROBOT_MODEL", Policy::kLatestOnly, true);
+    inbox.push(item(model, 1, 1));
+    inbox.push(item(model, 5, 5));
+    EXPECT_EQ(inbox.missing(model, 100, 0, 10).size(), mode == Mode::kLive ? 0U : 3U);
+    inbox.expect("ROBOT_MODEL", 6, 0);
+    EXPECT_EQ(inbox.missing(model, 100, 0, 10).back(), 6) << "the newest may be asked for";
+    EXPECT_EQ(inbox.push(item(model, 3, 3)), mode != Mode::kLive);
+  }
+}
+
 TEST(Inbox, OfflineNothingIsDropped) {
   Inbox inbox(Mode::kThroughput, 2, 0);
   const auto camera = inbox.add_channel("CAMERA", Policy::kLatestOnly, false);

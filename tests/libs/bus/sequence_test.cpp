@@ -57,6 +57,35 @@ TEST(Sequence, WhatIsSentAgainToALateListenerIsNotWhereItJoins) {
   EXPECT_EQ(tracker.missing(0, 0, 10), (std::vector<std::int64_t>{13'002}));
 }
 
+TEST(Sequence, WhatIsSentAgainBeforeThePublisherSaysHowFarItIsIsNotWhereItJoinsEither) {
+  SequenceTracker tracker(false);
+  EXPECT_EQ(tracker.see(100, 1, 0), Seen::kNew);  // sent again, for somebody
+  EXPECT_EQ(tracker.see(9'000, 2, 0), Seen::kNew);
+  EXPECT_GT(tracker.missing_count(), 8'000U);
+  tracker.expect(9'500, 1);
+  EXPECT_EQ(tracker.missing_count(), 0U);
+  EXPECT_EQ(tracker.see(100, 1, 2), Seen::kDuplicate);
+  EXPECT_EQ(tracker.see(9'000, 2, 2), Seen::kDuplicate);
+  EXPECT_EQ(tracker.see(200, 1, 2), Seen::kNew);
+  EXPECT_EQ(tracker.see(9'502, 3, 3), Seen::kNew);
+  tracker.expect(9'503, 4);
+  EXPECT_EQ(tracker.missing(9, 0, 10), (std::vector<std::int64_t>{9'501, 9'503}));
+}
+
+// One that joins where the publisher is misses what comes late.
+TEST(Sequence, NearThePublisherItStaysWhereItJoined) {
+  SequenceTracker tracker(false);
+  tracker.see(5, 1, 0);
+  tracker.see(9, 2, 0);
+  tracker.expect(12, 1);
+  EXPECT_EQ(tracker.missing(9, 0, 10), (std::vector<std::int64_t>{6, 7, 8, 10, 11, 12}));
+  SequenceTracker later(false);  // and far from there it was long ago
+  later.see(1'000, 1, 0);
+  later.expect(1'100, 1);
+  later.expect(3'000, 2);
+  EXPECT_EQ(later.missing_count(), 2'000U);
+}
+
 TEST(Sequence, ForgedCountsOverflowNothing) {
   for (const std::int64_t count : {INT64_MIN, INT64_C(-1), INT64_MAX}) {
     SequenceTracker tracker(false);
