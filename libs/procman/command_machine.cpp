@@ -18,9 +18,11 @@ void CommandMachine::order(const DesiredCommand& desired) {
   if (runid != desired_runid_) pause_us_ = kShortestPause_us;
   desired_runid_ = runid;
   force_quit_ = desired.force_quit;
-  // A run that was never begun and is not wanted any more counts as over: procman's sheriff takes
-  // no command for stopped whose runid is not the one that it asked for.
-  if (force_quit_ && status_.pid == 0) status_.actual_runid = desired_runid_;
+  // A run that is over or was never begun and is not wanted any more takes the runid of the order,
+  // 0 as well: procman's sheriff takes no command for stopped whose runid is not the one that it
+  // asked for, and one that stops a command before it has heard of its runid asks for 0 for ever.
+  if (force_quit_ && status_.pid == 0)
+    status_.actual_runid = desired_runid_ = desired.desired_runid;
   removing_ = false;
   if (force_quit_ || !status_.spec.auto_respawn) respawn_ = false;
 }

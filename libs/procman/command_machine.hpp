@@ -16,7 +16,7 @@ class CommandMachine {
   explicit CommandMachine(CommandSpec spec) { status_.spec = std::move(spec); }
 
   // The sheriff's wish. A changed `exec` counts from the next start. desired_runid 0 asks for no
-  // other run than the one that is.
+  // other run than the one that is; with force_quit a stopped command takes it, whatever it is.
   void order(const DesiredCommand& desired);
   // The command is not in the orders any more: stop it. removable() when it has ended.
   void remove() { removing_ = true; }

@@ -1,6 +1,7 @@
 #include "libs/procman/lab_config.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iomanip>
 #include <numeric>
@@ -22,6 +23,13 @@ std::string quoted(const std::string& text) {
     }
   }
   return result + "\"";
+}
+
+// 7 as "7", 0.25 as "0.250".
+std::string seconds(double value) {
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(value == std::floor(value) ? 0 : 3) << value;
+  return out.str();
 }
 
 std::string to_text(const Target& target) {
@@ -46,6 +54,25 @@ std::string to_text(const ScriptAction& action) {
          (action.wait_for == WaitFor::kNothing ? "" : " wait " + to_text(action.wait_for));
 }
 
+// "a/b": a and b. Empty parts count for nothing.
+std::vector<std::string> parts(const std::string& group) {
+  std::vector<std::string> result;
+  std::istringstream in(group);
+  for (std::string part; std::getline(in, part, '/');)
+    if (!part.empty()) result.push_back(part);
+  return result;
+}
+
+// procman reads whole seconds only, and no attribute `group`: the enclosing groups count.
+void write(const LabCommand& command, std::ostringstream* out) {
+  const CommandSpec& spec = command.spec;
+  *out << "cmd " << quoted(spec.id) << " {\n  exec = " << quoted(spec.exec)
+       << ";\n  deputy = " << quoted(command.deputy) << ";\n";
+  if (spec.auto_respawn) *out << "  auto_respawn = \"true\";\n";
+  *out << "  stop_signal = " << spec.stop_signal
+       << ";\n  stop_time_allowed = " << seconds(spec.stop_time_allowed_s) << ";\n}\n";
+}
+
 bool is_below(const std::string& group, const std::string& outer) {
   return group == outer || group.rfind(outer + "/", 0) == 0;
 }
@@ -66,15 +93,11 @@ LabConfig load_lab_config(const std::filesystem::path& file) {
 
 std::string to_text(const LabConfig& config) {
   std::ostringstream out;
-  out << std::fixed << std::setprecision(3);  // of stop_time_allowed
   for (const LabCommand& command : config.commands) {
-    const CommandSpec& spec = command.spec;
-    out << "cmd " << quoted(spec.id) << " {\n  exec = " << quoted(spec.exec)
-        << ";\n  deputy = " << quoted(command.deputy) << ";\n";
-    if (!spec.group.empty()) out << "  group = " << quoted(spec.group) << ";\n";
-    if (spec.auto_respawn) out << "  auto_respawn = \"true\";\n";
-    out << "  stop_signal = " << spec.stop_signal
-        << ";\n  stop_time_allowed = " << spec.stop_time_allowed_s << ";\n}\n";
+    const std::vector<std::string> groups = parts(command.spec.group);
+    for (const std::string& group : groups) out << "group " << quoted(group) << " {\n";
+    write(command, &out);
+    for (std::size_t i = 0; i < groups.size(); ++i) out << "}\n";
   }
   for (const Script& script : config.scripts) {
     out << "script " << quoted(script.name) << " {\n";

@@ -77,6 +77,23 @@ TEST(CommandMachine, OneStoppedBeforeItWasStartedIsOver) {
   EXPECT_EQ(machine.status().pid, 0);
 }
 
+// As procman's sheriff orders when a script stops a command whose runid it has not heard yet.
+TEST(CommandMachine, OneStoppedWithRunid0IsOverToTheSheriffThatAsked) {
+  CommandMachine machine = running(false);
+  machine.order({spec(), 0, true});
+  EXPECT_EQ(machine.step(1), Action::kSignal);
+  machine.order({spec(), 0, true});
+  EXPECT_EQ(machine.status().actual_runid, 1) << "while it still runs";
+  machine.exited(2, 2);
+  machine.order({spec(), 0, true});
+  EXPECT_EQ(machine.status().actual_runid, 0) << "or procman's sheriff waits for it";
+  EXPECT_EQ(machine.step(3), Action::kNothing);
+  machine.order({spec(), 0, false});
+  EXPECT_EQ(machine.step(4), Action::kNothing) << "0 starts nothing";
+  machine.order({spec(), 1, false});
+  EXPECT_EQ(machine.step(5), Action::kStart) << "the sheriff counts on from 0";
+}
+
 TEST(CommandMachine, OneThatEndsStaysEndedUnlessItShallRespawn) {
   CommandMachine machine = running(false);
   machine.exited(0, 5);

@@ -72,6 +72,31 @@ TEST(LabConfig, WritesWhatItReads) {
   }
 }
 
+// Its parser takes integers only, and the groups around a command in place of an attribute `group`.
+TEST(LabConfig, WritesWhatTheOriginalReads) {
+  const std::string command = "cmd \"c\" { exec = \"x\"; deputy = \"d\"; ";
+  EXPECT_EQ(to_text(parse_lab_config(command + "group = \"a/b\"; }", "lab.cfg")),
+            "group \"a\" {\ngroup \"b\" {\ncmd \"c\" {\n  exec = \"x\";\n  deputy = \"d\";\n"
+            "  stop_signal = 2;\n  stop_time_allowed = 7;\n}\n}\n}\n");
+  EXPECT_THAT(to_text(parse_lab_config(command + "stop_time_allowed = 0.25; }", "lab.cfg")),
+              HasSubstr("stop_time_allowed = 0.250;"))
+      << "ours alone reads it";
+}
+
+// `host` is what its older files say; quotes within quotes, and variables before the program.
+TEST(LabConfig, ReadsAnOlderFileOfTheOriginal) {
+  const LabConfig config = parse_lab_config(
+      "group \"quotes\" {\n  cmd \"q\" {\n"
+      "    exec = \"A=b sh -c 'echo [$0] \\\"$1\\\"' x \\\"y z\\\"\";\n    host = \"here\";\n  "
+      "}\n}\n"
+      "script \"all\" {\n  start cmd \"q\" wait \"running\";\n}\n",
+      "old.cfg");
+  ASSERT_EQ(config.commands.size(), 1U);
+  EXPECT_EQ(config.commands[0].spec.exec, "A=b sh -c 'echo [$0] \"$1\"' x \"y z\"");
+  EXPECT_EQ(config.commands[0].deputy, "here");
+  EXPECT_EQ(config.commands[0].spec.group, "quotes");
+}
+
 TEST(LabConfig, SelectsCommandsAndNestedGroups) {
   const LabConfig config = example();
   EXPECT_THAT(select(config, {TargetKind::kGroup, "hardware drivers"}), ElementsAre(1U, 2U));
