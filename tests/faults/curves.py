@@ -36,8 +36,11 @@ def panel(out, row, title, series, ticks, minutes):
     for i, (name, points) in enumerate(series.items()):
         colour = COLOURS[i % len(COLOURS)]
         path = " ".join(f"{x(m):.1f},{y(v):.1f}" for m, v in points)
-        out.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="1.5"/>'
-                   f'<text x="{LEFT + WIDTH + 10}" y="{y0 + 14 + 18 * i}" fill="{colour}">{name}</text>')
+        if len(points) > 1:
+            out.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
+        if len(points) < 40:
+            out.extend(f'<circle cx="{x(m):.1f}" cy="{y(v):.1f}" r="3" fill="{colour}"/>' for m, v in points)
+        out.append(f'<text x="{LEFT + WIDTH + 10}" y="{y0 + 14 + 18 * i}" fill="{colour}">{name}</text>')
 
 
 def write(path, panels, ticks):
