@@ -99,7 +99,10 @@ struct PoseGraphConfig {
   bool wait_for_solver = true;
   // Then: of a core, over time. With thousands of loops there is always one that doesn't fit.
   double solver_share = 0.25;
-  std::function<void()> solver_begins;  // tests: called in the solver's thread
+  // And of the thread that says the poses, for solves between two messages: loops that pull wait
+  // for one another, poses for no more than one solve.
+  double quick_share = 0.25;
+  std::function<void()> solver_begins;  // called in the solver's thread
   int switch_off_after = 2;             // whole solves in a row that a loop did not fit
 
   std::size_t window_nodes = 20;   // newest nodes refined when the second sensor ties in

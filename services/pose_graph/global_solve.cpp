@@ -89,7 +89,9 @@ void PoseGraph::meet_global_solve(bool now) {
                   [](const GraphEdge& edge) { return edge.kind == EdgeKind::kLoop; });
   adopt(answer);
   thin();  // before the next solve is asked for: while loops keep coming one follows the other
-  if (pulls) solve({});  // the answer knows nothing of loops that came since
+  if (!pulls) return;
+  quick_rest_until_us_ = 0;
+  solve_quickly();  // the answer knows nothing of loops that came since
 }
 
 // Nodes that came since then move along with the newest one of their kind that was there.

@@ -1,12 +1,23 @@
 #include "services/pose_graph/pose_graph.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "libs/geometry/orthonormal.hpp"
 #include "services/pose_graph/sensor_agreement.hpp"
 
 namespace fusion_slam {
+namespace {
+
+// After work that began then, so that it takes this share of the time.
+std::int64_t rest_us(std::chrono::steady_clock::time_point began, double share) {
+  const auto took = std::chrono::steady_clock::now() - began;
+  const auto took_us = std::chrono::duration_cast<std::chrono::microseconds>(took).count();
+  return static_cast<std::int64_t>(static_cast<double>(took_us) * (1.0 / share - 1.0));
+}
+
+}  // namespace
 
 PoseGraph::PoseGraph(PoseGraphConfig config)
     : config_(std::move(config)),
@@ -49,7 +60,7 @@ void PoseGraph::clock_was_set_back(std::int64_t utime_us) {
   waiting_ties_.erase(waiting_ties_.lower_bound({utime_us + kBack_us, NodeId{}}),
                       waiting_ties_.end());
   newest_utime_us_ = std::min(newest_utime_us_, utime_us + kBack_us);
-  rest_until_us_ = 0;
+  rest_until_us_ = quick_rest_until_us_ = 0;
   if (last_pose_) last_pose_->utime_us = std::min(last_pose_->utime_us, utime_us);
 }
 
@@ -84,6 +95,7 @@ void PoseGraph::rebuilt() {
   earlier_retired_.clear();
   earlier_off_.clear();
   retirements_.clear();  // the journal has them
+  quick_wanted_ = false;
   if (unsolved_loops_ > 0) start_global_solve(false);
   unsolved_loops_ = 0;
 }
@@ -124,7 +136,8 @@ void PoseGraph::settle() {
   if (tie_keyframes() && !rebuilding_) refine_window();
   meet_global_solve(false);
   thin();
-  if (take_loops() && !rebuilding_) solve({});
+  if (take_loops()) quick_wanted_ = true;
+  if (quick_wanted_ && !rebuilding_) solve_quickly();
   if (!rebuilding_ && bundle_is_due()) start_global_solve(true);
   if (!rebuilding_ && solve_wanted_) start_global_solve(false);
   say_poses();
@@ -309,6 +322,17 @@ void PoseGraph::solve(const std::set<NodeId>& moving) {
   counts_.loops_outvoted = report.loops_outvoted;
   for (const auto& [edge, error] : report.loop_errors)
     if (error > config_.loop_chi2) return start_global_solve(false);
+}
+
+// The whole graph. Live not before the last such solve has been rested from: the larger the graph,
+// the longer one takes, and loops keep coming.
+void PoseGraph::solve_quickly() {
+  const bool live = !config_.wait_for_solver;
+  quick_wanted_ = live && !finishing_ && newest_utime_us_ < quick_rest_until_us_;
+  if (quick_wanted_) return;
+  const auto began = std::chrono::steady_clock::now();
+  solve({});
+  if (live) quick_rest_until_us_ = newest_utime_us_ + rest_us(began, config_.quick_share);
 }
 
 std::vector<std::pair<NodeId, GraphNode>> PoseGraph::take_changes() {

@@ -147,6 +147,7 @@ class PoseGraph {
   bool was_switched_off(const LoopInput& loop);
   void refine_window();
   void solve(const std::set<NodeId>& moving);
+  void solve_quickly();
   bool bundle_is_due() const;
   std::shared_ptr<const BundleQuestion> bundle_question();
   void start_global_solve(bool with_bundle);
@@ -201,8 +202,10 @@ class PoseGraph {
   int unsolved_loops_ = 0;              // taken since the last solve of the whole graph
   std::map<std::size_t, int> doubted_;  // edge: whole solves in a row that it did not fit
   std::optional<BackgroundSolve> background_;
-  std::int64_t rest_until_us_ = 0;  // live: of measurements; no whole solve begins before
-  bool solve_wanted_ = false;       // meanwhile
+  std::int64_t rest_until_us_ = 0;        // live: of measurements; no whole solve begins before
+  bool solve_wanted_ = false;             // meanwhile
+  std::int64_t quick_rest_until_us_ = 0;  // live: of measurements; as for solve_quickly()
+  bool quick_wanted_ = false;
   LandmarkStore seen_;
   std::map<std::pair<NodeId, NodeId>, std::vector<std::pair<int, int>>> same_points_;  // by loop
   std::size_t bundled_keyframes_ = 0;  // at the last bundle adjustment

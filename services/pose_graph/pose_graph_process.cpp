@@ -8,6 +8,7 @@
 #include "libs/messages/convert.hpp"
 #include "libs/messages/models.hpp"
 #include "libs/process/memory.hpp"
+#include "libs/process/priority.hpp"
 #include "services/pose_graph/graph_messages.hpp"
 
 namespace fusion_slam {
@@ -21,6 +22,7 @@ constexpr int kTellPeriodMs = 1000;  // live: and one that started late, too
 PoseGraphConfig config_for(Mode mode) {
   PoseGraphConfig config;
   config.wait_for_solver = mode != Mode::kLive;  // a replay has no clock to keep
+  if (mode == Mode::kLive) config.solver_begins = give_way;
   return config;
 }
 

@@ -127,6 +127,31 @@ TEST(BundleInGraph, OnARobotTheSolverRests) {
   EXPECT_GT(n_solves, 1);
 }
 
+// Loops that pull keep coming: the thread that says the poses has more to do than to solve. What
+// waits is solved when it has rested.
+TEST(BundleInGraph, OnARobotSolvesBetweenMessagesRestToo) {
+  const Drive drive{MadeUpRoom(kKeyframes, 300, 0.01, 0.004, 1), 30};
+  const auto solves = [&](bool wait_for_solver, double share, std::int64_t then_us) {
+    PoseGraphConfig config;
+    config.wait_for_solver = wait_for_solver;
+    config.quick_share = share;
+    config.quiet_chi2 = 0.0;  // every loop pulls
+    config.loop_chi2 = 1e9;   // and none asks for more than a quick solve
+    PoseGraph graph(config);
+    graph.set_robot(robot(drive.room, true));
+    for (std::size_t k = 0; k < 30; ++k) graph.add_node(drive.keyframe(k));
+    for (std::size_t k = 1; k < 8; ++k) graph.add_loop(drive.loop(k, k + 20));
+    NodeInput late = drive.keyframe(30);
+    late.utime_us += then_us;
+    graph.add_node(late);
+    return graph.counts().solves;
+  };
+  EXPECT_EQ(solves(true, 1e-9, 0), 7) << "a replay waits for nothing";
+  EXPECT_EQ(solves(false, 1.0, 0), 7) << "nothing to rest from";
+  EXPECT_EQ(solves(false, 1e-7, 0), 1);
+  EXPECT_EQ(solves(false, 1e-3, 3'600'000'000), 2) << "an hour later what waited is solved";
+}
+
 TEST(BundleInGraph, NoCameraModelNoBundle) {
   const Drive drive{MadeUpRoom(kKeyframes, 500, 0.01, 0.004, 1), 30};
   PoseGraph graph;
