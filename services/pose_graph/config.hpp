@@ -100,10 +100,11 @@ struct PoseGraphConfig {
   // Then: of a core, over time. With thousands of loops there is always one that doesn't fit.
   double solver_share = 0.25;
   // And of the thread that says the poses, for solves between two messages: loops that pull wait
-  // for one another, poses for no more than one solve.
+  // for one another.
   double quick_share = 0.25;
-  std::function<void()> solver_begins;  // called in the solver's thread
-  int switch_off_after = 2;             // whole solves in a row that a loop did not fit
+  std::int64_t longest_quick_us = 50'000;  // one that takes longer is made in a thread of its own
+  std::function<void()> solver_begins;     // called in the solver's thread
+  int switch_off_after = 2;                // whole solves in a row that a loop did not fit
 
   std::size_t window_nodes = 20;   // newest nodes refined when the second sensor ties in
   std::size_t max_waiting = 4096;  // poses, nodes and loops that wait for a node that hasn't come

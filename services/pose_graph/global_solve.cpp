@@ -12,6 +12,22 @@
 
 namespace fusion_slam {
 
+std::future<GlobalSolve> solve_elsewhere(GlobalSolve question) {
+  return std::async(std::launch::async, [question = std::move(question)]() mutable {
+    if (question.config.solver_begins) question.config.solver_begins();
+    const auto began = std::chrono::steady_clock::now();
+    question.report =
+        solve_graph(question.config, question.options, &question.nodes, &question.edges);
+    if (question.bundle)
+      question.bundle_report = adjust_globally(question.config, question.options, *question.bundle,
+                                               &question.nodes, &question.edges);
+    question.took_us = std::chrono::duration_cast<std::chrono::microseconds>(
+                           std::chrono::steady_clock::now() - began)
+                           .count();
+    return std::move(question);
+  });
+}
+
 // Something of the camera's has closed since the last bundle adjustment, and the graph has grown so
 // much that one is worth while: all of them together cost a few times the last one.
 bool PoseGraph::bundle_is_due() const {
@@ -52,19 +68,7 @@ void PoseGraph::start_global_solve(bool with_bundle) {
   background_.emplace();
   background_->meet_us =
       newest_utime_us_ + (with_bundle ? config_.bundle.meet_after_us : config_.meet_after_us);
-  background_->answer = std::async(std::launch::async, [question = std::move(question)]() mutable {
-    if (question.config.solver_begins) question.config.solver_begins();
-    const auto began = std::chrono::steady_clock::now();
-    question.report =
-        solve_graph(question.config, question.options, &question.nodes, &question.edges);
-    if (question.bundle)
-      question.bundle_report = adjust_globally(question.config, question.options, *question.bundle,
-                                               &question.nodes, &question.edges);
-    question.took_us = std::chrono::duration_cast<std::chrono::microseconds>(
-                           std::chrono::steady_clock::now() - began)
-                           .count();
-    return std::move(question);
-  });
+  background_->answer = solve_elsewhere(std::move(question));
 }
 
 // Not before the meeting point. There a replay waits for the answer, so what happens does not
@@ -89,34 +93,40 @@ void PoseGraph::meet_global_solve(bool now) {
                   [](const GraphEdge& edge) { return edge.kind == EdgeKind::kLoop; });
   adopt(answer);
   thin();  // before the next solve is asked for: while loops keep coming one follows the other
+  if (quick_) quick_->outdated = true;
   if (!pulls) return;
   quick_rest_until_us_ = 0;
   solve_quickly();  // the answer knows nothing of loops that came since
 }
 
-// Nodes that came since then move along with the newest one of their kind that was there.
+// Nodes that came since then move along with the newest one of their kind that was there; some have
+// been retired since.
+void PoseGraph::move_to(const GraphNodes& solved) {
+  std::map<NodeId, SE3> correction;  // T_new_old of the map at a node
+  for (const auto& [id, node] : solved)
+    if (const auto now = nodes_.find(id); now != nodes_.end())
+      correction[id] = node.T_map_base * now->second.T_map_base.inverse();
+  for (auto& [id, node] : nodes_) {
+    changed_.insert(id);
+    const auto found = solved.find(id);
+    if (found != solved.end()) {
+      node.T_map_base = found->second.T_map_base;
+      continue;
+    }
+    auto before = correction.lower_bound(id);
+    const bool same_kind = before != correction.begin() && std::prev(before)->first.kind == id.kind;
+    if (same_kind)
+      node.T_map_base = orthonormal(std::prev(before)->second * node.T_map_base);
+    else if (!correction.empty())
+      node.T_map_base = orthonormal(correction.rbegin()->second * node.T_map_base);
+  }
+}
+
 void PoseGraph::adopt(const GlobalSolve& answer) {
   ++counts_.solves;
   map_covariance_.clear();
   if (!answer.report.usable) return;
-  std::map<NodeId, SE3> correction;  // T_new_old of the map at a node
-  for (const auto& [id, node] : answer.nodes)
-    correction[id] = node.T_map_base * nodes_.at(id).T_map_base.inverse();
-  for (auto& [id, node] : nodes_) {
-    const auto solved = correction.find(id);
-    if (solved != correction.end()) {
-      node.T_map_base = answer.nodes.at(id).T_map_base;
-    } else {
-      auto before = correction.lower_bound(id);
-      const bool same_kind =
-          before != correction.begin() && std::prev(before)->first.kind == id.kind;
-      if (same_kind)
-        node.T_map_base = orthonormal(std::prev(before)->second * node.T_map_base);
-      else if (!correction.empty())
-        node.T_map_base = orthonormal(correction.rbegin()->second * node.T_map_base);
-    }
-    changed_.insert(id);
-  }
+  move_to(answer.nodes);
   for (std::size_t i = 0; i < answer.edges.size(); ++i) {
     edges_[i].loop_weight = answer.edges[i].loop_weight;
     const bool as_asked = edges_[i].T_from_to.matrix() == answer.edges[i].T_from_to.matrix();

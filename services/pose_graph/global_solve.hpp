@@ -25,7 +25,11 @@ struct GlobalSolve {                             // question and answer
 struct BackgroundSolve {
   std::int64_t meet_us = 0;          // measurement time at which the answer is taken over
   SE3 T_now_then = SE3::Identity();  // how the whole map has been moved since it was asked
+  bool outdated = false;             // since then the nodes were moved by a better answer
   std::future<GlobalSolve> answer;
 };
+
+// In a thread of its own, which config.solver_begins is called in first.
+std::future<GlobalSolve> solve_elsewhere(GlobalSolve question);
 
 }  // namespace fusion_slam

@@ -25,7 +25,8 @@ bool PoseGraph::level_map(const NodeId& id, const SE3& T_level_id, std::string* 
   }
   for (const auto& retired : retired_) changed_.insert(retired.first);
   for (auto& [carrier, load] : loads_) load.T_said = nodes_.at(carrier).T_map_base;
-  if (background_) background_->T_now_then = T_level_map * background_->T_now_then;
+  for (auto* solve : {&background_, &quick_})
+    if (*solve) (*solve)->T_now_then = T_level_map * (*solve)->T_now_then;
   if (last_pose_) last_pose_->T_map_base = T_level_map * last_pose_->T_map_base;
   taken_.clear();  // every node is handed out, however little it moved: all are in one map again
   ++counts_.levellings;

@@ -1,24 +1,12 @@
 #include "services/pose_graph/pose_graph.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "libs/geometry/orthonormal.hpp"
 #include "services/pose_graph/sensor_agreement.hpp"
 
 namespace fusion_slam {
-namespace {
-
-// After work that began then, so that it takes this share of the time.
-std::int64_t rest_us(std::chrono::steady_clock::time_point began, double share) {
-  const auto took = std::chrono::steady_clock::now() - began;
-  const auto took_us = std::chrono::duration_cast<std::chrono::microseconds>(took).count();
-  return static_cast<std::int64_t>(static_cast<double>(took_us) * (1.0 / share - 1.0));
-}
-
-}  // namespace
-
 PoseGraph::PoseGraph(PoseGraphConfig config)
     : config_(std::move(config)),
       visual_(config_.max_interpolation_gap_us, config_.track_memory_us),
@@ -113,6 +101,8 @@ void PoseGraph::start_anew() {
 
 void PoseGraph::finish() {
   finishing_ = true;
+  if (quick_) quick_->answer.wait();
+  quick_.reset();  // all is solved below
   meet_global_solve(true);
   settle();
   if (rebuilding_) {  // an earlier process solved it, and its nodes are where that put them
@@ -135,6 +125,7 @@ void PoseGraph::settle() {
   }
   if (tie_keyframes() && !rebuilding_) refine_window();
   meet_global_solve(false);
+  meet_quick_solve();
   thin();
   if (take_loops()) quick_wanted_ = true;
   if (quick_wanted_ && !rebuilding_) solve_quickly();
@@ -305,14 +296,7 @@ void PoseGraph::refine_window() {
 // the whole graph is solved anew in the background.
 void PoseGraph::solve(const std::set<NodeId>& moving) {
   if (nodes_.empty()) return;
-  SolveOptions options;
-  options.planar = robot_ && robot_->planar;
-  options.anchor = by_time_.begin()->second;
-  options.moving = moving;
-  options.doubt = false;
-  options.max_iterations = config_.quick_iterations;
-  options.enough = config_.quick_enough;
-  const SolveReport report = solve_graph(config_, options, &nodes_, &edges_);
+  const SolveReport report = solve_graph(config_, quick_options(moving), &nodes_, &edges_);
   ++counts_.solves;
   for (const auto& [id, node] : nodes_)
     if (moving.empty() || moving.count(id) > 0) changed_.insert(id);
@@ -322,17 +306,6 @@ void PoseGraph::solve(const std::set<NodeId>& moving) {
   counts_.loops_outvoted = report.loops_outvoted;
   for (const auto& [edge, error] : report.loop_errors)
     if (error > config_.loop_chi2) return start_global_solve(false);
-}
-
-// The whole graph. Live not before the last such solve has been rested from: the larger the graph,
-// the longer one takes, and loops keep coming.
-void PoseGraph::solve_quickly() {
-  const bool live = !config_.wait_for_solver;
-  quick_wanted_ = live && !finishing_ && newest_utime_us_ < quick_rest_until_us_;
-  if (quick_wanted_) return;
-  const auto began = std::chrono::steady_clock::now();
-  solve({});
-  if (live) quick_rest_until_us_ = newest_utime_us_ + rest_us(began, config_.quick_share);
 }
 
 std::vector<std::pair<NodeId, GraphNode>> PoseGraph::take_changes() {

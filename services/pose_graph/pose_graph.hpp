@@ -147,11 +147,15 @@ class PoseGraph {
   bool was_switched_off(const LoopInput& loop);
   void refine_window();
   void solve(const std::set<NodeId>& moving);
+  SolveOptions quick_options(const std::set<NodeId>& moving) const;
   void solve_quickly();
+  void start_quick_solve();
+  void meet_quick_solve();
   bool bundle_is_due() const;
   std::shared_ptr<const BundleQuestion> bundle_question();
   void start_global_solve(bool with_bundle);
   void meet_global_solve(bool now);
+  void move_to(const GraphNodes& solved);
   void adopt(const GlobalSolve& answer);
   void judge_loops();
   GraphUncertainty uncertainty() const;
@@ -206,6 +210,8 @@ class PoseGraph {
   bool solve_wanted_ = false;             // meanwhile
   std::int64_t quick_rest_until_us_ = 0;  // live: of measurements; as for solve_quickly()
   bool quick_wanted_ = false;
+  std::int64_t quick_took_us_ = 0;  // live: the last one
+  std::optional<BackgroundSolve> quick_;
   LandmarkStore seen_;
   std::map<std::pair<NodeId, NodeId>, std::vector<std::pair<int, int>>> same_points_;  // by loop
   std::size_t bundled_keyframes_ = 0;  // at the last bundle adjustment

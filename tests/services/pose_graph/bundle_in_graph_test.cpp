@@ -135,6 +135,7 @@ TEST(BundleInGraph, OnARobotSolvesBetweenMessagesRestToo) {
     PoseGraphConfig config;
     config.wait_for_solver = wait_for_solver;
     config.quick_share = share;
+    config.longest_quick_us = 3'600'000'000;
     config.quiet_chi2 = 0.0;  // every loop pulls
     config.loop_chi2 = 1e9;   // and none asks for more than a quick solve
     PoseGraph graph(config);
@@ -150,6 +151,43 @@ TEST(BundleInGraph, OnARobotSolvesBetweenMessagesRestToo) {
   EXPECT_EQ(solves(false, 1.0, 0), 7) << "nothing to rest from";
   EXPECT_EQ(solves(false, 1e-7, 0), 1);
   EXPECT_EQ(solves(false, 1e-3, 3'600'000'000), 2) << "an hour later what waited is solved";
+}
+
+// And where one takes long, in a thread of its own: nodes go on meanwhile, and come out where they
+// would have.
+TEST(BundleInGraph, OnARobotALongSolveBetweenMessagesIsMadeElsewhere) {
+  const Drive drive{MadeUpRoom(kKeyframes, 300, 0.01, 0.004, 1), 30};
+  std::promise<void> go;
+  PoseGraphConfig config;
+  config.quiet_chi2 = 0.0;  // every loop pulls
+  config.loop_chi2 = 1e9;   // and none asks for more than a quick solve
+  PoseGraph expected(config);
+  config.wait_for_solver = false;
+  config.longest_quick_us = -1;
+  config.solver_begins = [gone = go.get_future().share()] { gone.wait(); };
+  PoseGraph graph(config);
+  for (PoseGraph* each : {&expected, &graph}) {
+    each->set_robot(robot(drive.room, true));
+    for (std::size_t k = 0; k < 30; ++k) each->add_node(drive.keyframe(k));
+    each->add_loop(drive.loop(1, 21));
+    for (std::size_t k = 30; k < 35; ++k) each->add_node(drive.keyframe(k));
+  }
+  EXPECT_EQ(graph.nodes().size(), 35u);
+  EXPECT_EQ(graph.counts().solves, 0) << "nobody let it begin";
+  go.set_value();
+  PoseInput lost;
+  lost.state = PoseState::kLost;
+  lost.utime_us = graph.newest_utime_us();
+  while (graph.counts().solves == 0) {
+    std::this_thread::yield();
+    graph.add_pose(lost);
+  }
+  for (const auto& [id, node] : expected.nodes())
+    EXPECT_TRUE(graph.nodes().at(id).T_map_base.isApprox(node.T_map_base, 1e-9)) << id.id;
+  graph.add_loop(drive.loop(2, 22));
+  for (std::size_t k = 35; k < kKeyframes; ++k) graph.add_node(drive.keyframe(k));
+  graph.finish();  // while one is being made
+  EXPECT_LT(drive.room.worst_m(graph.nodes()), 0.06);
 }
 
 TEST(BundleInGraph, NoCameraModelNoBundle) {
