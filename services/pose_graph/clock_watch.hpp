@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "libs/journal/note_bytes.hpp"
+
 namespace fusion_slam {
 
 class ClockWatch {
@@ -21,6 +23,13 @@ class ClockWatch {
     seq_ = seq;
     utime_us_ = utime_us;
     return back;
+  }
+
+  void write(NoteWriter* out) const {  // for the journal
+    for (const std::int64_t n : {seq_, utime_us_, anew_us_, before_}) out->put(n);
+  }
+  void read(NoteReader* in) {
+    for (std::int64_t* n : {&seq_, &utime_us_, &anew_us_, &before_}) *n = in->get<std::int64_t>();
   }
 
  private:

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libs/graph/node_id.hpp"
+#include "libs/journal/note_bytes.hpp"
 
 namespace fusion_slam {
 
@@ -54,6 +55,9 @@ class LandmarkStore {
   // Points seen from at least two keyframes, once with depth: the longest tracks first until every
   // keyframe has its share. Deterministic: keyframes and landmarks in the order of their ids.
   std::vector<Track> tracks(const std::vector<SamePoints>& same, const TrackLimits& limits) const;
+
+  void write(NoteWriter* out) const;  // for the journal
+  void read(NoteReader* in);          // all of it; whether it was good, `in` says
 
  private:
   std::int64_t landmark_of(std::int64_t keyframe, int feature) const;  // 0: none

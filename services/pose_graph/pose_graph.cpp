@@ -75,6 +75,39 @@ void PoseGraph::rebuild(Earlier earlier) {
   earlier_ = std::move(earlier.T_map_base);
   earlier_retired_ = std::move(earlier.retired);
   earlier_off_ = std::move(earlier.switched_off);
+  for (auto& [id, node] : nodes_) {
+    const auto moved = earlier_.find(id);
+    if (moved != earlier_.end()) node.T_map_base = orthonormal(moved->second);
+  }
+  for (auto& [carrier, load] : loads_) load.T_said = nodes_.at(carrier).T_map_base;
+  switch_off_as_before();
+  taken_ = nodes_;
+}
+
+// Loops of restore() that were switched off since then; earlier_off_ keeps those that are to come.
+void PoseGraph::switch_off_as_before() {
+  std::vector<LoopState> to_come;
+  for (LoopState& off : earlier_off_) {
+    const bool known_to_be_off =
+        std::any_of(switched_off_.begin(), switched_off_.end(),
+                    [&](const LoopState& s) { return s.from == off.from && s.to == off.to; });
+    const auto loop = std::find_if(edges_.begin(), edges_.end(), [&](const GraphEdge& e) {
+      const bool as_said = e.said_from.id == 0;
+      return e.kind == EdgeKind::kLoop && (as_said ? e.from : e.said_from) == off.from &&
+             (as_said ? e.to : e.said_to) == off.to;
+    });
+    if (known_to_be_off) continue;
+    if (loop == edges_.end()) {
+      to_come.push_back(std::move(off));
+      continue;
+    }
+    edges_.erase(loop);
+    doubted_.clear();  // edges have new numbers
+    same_points_.erase({off.from, off.to});
+    switched_off_.push_back(std::move(off));
+    ++counts_.loops_switched_off;
+  }
+  earlier_off_ = std::move(to_come);
 }
 
 void PoseGraph::rebuilt() {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "libs/graph/uncertainty.hpp"
+#include "libs/journal/note_bytes.hpp"
 #include "libs/robot/robot_model.hpp"
 #include "services/pose_graph/config.hpp"
 #include "services/pose_graph/global_bundle.hpp"
@@ -76,6 +77,12 @@ class PoseGraph {
   };
   void rebuild(Earlier earlier);
   void rebuilt();
+  // All that it knows, for the journal, but for the models; what has not been taken (changes,
+  // poses, retirements) is not in it. restore() is the other way, before rebuild(), which then
+  // tells what became of it since. False: `in` is damaged or of another version, and the graph is
+  // empty.
+  void write(NoteWriter* out) const;
+  bool restore(NoteReader* in);
   void start_anew();  // forgets all but the robot and the camera
   void finish();      // the input has ended: place and say what still waits, then solve
 
@@ -121,6 +128,12 @@ class PoseGraph {
     std::vector<NodeId> ids;
   };
 
+  void write_nodes(NoteWriter* out) const;
+  void write_retired(NoteWriter* out) const;
+  bool read(NoteReader* in);
+  bool read_nodes(NoteReader* in);
+  bool read_retired(NoteReader* in);
+  void switch_off_as_before();
   void settle();
   void thin();
   void thin_as_before();

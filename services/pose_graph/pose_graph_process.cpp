@@ -43,25 +43,7 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus), graph_(config_for(bus.
   bus.subscribe<lidar_node_t>("LIDAR_NODE", Policy::kKeepAll, on(&PoseGraphProcess::on_lidar_node));
   bus.subscribe<constraint_t>("CONSTRAINT", Policy::kKeepAll, on(&PoseGraphProcess::on_constraint));
   bus.subscribe<constraint_t>("LEVEL", Policy::kKeepAll, on(&PoseGraphProcess::on_level));
-  // What the graph is made of, and where it began anew. Poses, too: they tie keyframes to the
-  // LiDAR's trajectory.
-  bus.keep_in_journal({"ROBOT_MODEL", "CAMERA_MODEL", "KEYFRAME", "LIDAR_NODE", "CONSTRAINT",
-                       "LEVEL", "VISUAL_POSE", "LIDAR_POSE", "ODOMETRY", "COMMAND"});
-  bus.on_note<graph_t>("GRAPH", [this](const graph_t& m) {
-    earlier_revision_ = std::max(earlier_revision_, m.revision);
-    for (const graph_node_t& node : m.nodes)
-      if (const auto T_map_base = from_message(node.T_map_base);
-          T_map_base && is_node_kind(node.kind))
-        earlier_.T_map_base[{static_cast<NodeKind>(node.kind), node.id}] = *T_map_base;
-    if (m.part != 0) return;
-    earlier_.switched_off.clear();
-    for (const loop_state_t& loop : m.switched_off)
-      if (is_node_kind(loop.from_kind) && is_node_kind(loop.to_kind))
-        earlier_.switched_off.push_back(state_from(loop));
-  });
-  bus.on_note<constraint_t>("RETIRED", [this](const constraint_t& m) {
-    if (const auto retirement = retirement_from(m)) earlier_.retired[m.seq].push_back(*retirement);
-  });
+  keep_journal();
   bus.subscribe<bot_core::pose_t>("ODOMETRY", Policy::kKeepAll, on(&PoseGraphProcess::on_odometry));
   bus.subscribe<command_t>("COMMAND", Policy::kKeepAll, on(&PoseGraphProcess::on_command));
   const auto on_pose_of = [this](NodeKind sensor) {
@@ -89,13 +71,6 @@ PoseGraphProcess::PoseGraphProcess(Bus& bus) : bus_(bus), graph_(config_for(bus.
     if (std::exchange(solves_, graph_.counts().solves) != graph_.counts().solves)
       give_back_memory(kSpareMemoryBytes);
   });
-}
-
-// The journal gives first where an earlier process had its nodes, then what it was told.
-void PoseGraphProcess::follow_recovery() {
-  if (bus_.recovering() && !earlier_.T_map_base.empty())
-    graph_.rebuild(std::exchange(earlier_, {}));
-  if (!bus_.recovering()) graph_.rebuilt();
 }
 
 void PoseGraphProcess::on_robot(const robot_model_t& message) {

@@ -13,6 +13,8 @@
 #include "fusion_slam/command_t.hpp"
 #include "fusion_slam/constraint_t.hpp"
 #include "fusion_slam/graph_node_t.hpp"
+#include "fusion_slam/graph_t.hpp"
+#include "fusion_slam/journal_note_t.hpp"
 #include "fusion_slam/keyframe_t.hpp"
 #include "fusion_slam/lidar_node_t.hpp"
 #include "fusion_slam/pose_estimate_t.hpp"
@@ -39,7 +41,13 @@ class PoseGraphProcess {
   void on_level(const constraint_t& message);
   void on_command(const command_t& message);
 
+  // pose_graph_journal.cpp
+  void keep_journal();
+  void on_earlier_graph(const graph_t& message);
+  void write_down();
+  void restore_state();
   void follow_recovery();
+
   void publish_news();
   void publish_complete();
   void publish_to_late_ones();
@@ -52,8 +60,10 @@ class PoseGraphProcess {
   ResetGate reset_{"pose_graph"};
   std::map<NodeKind, ClockWatch> clock_;
   PoseGraph graph_;
-  std::int64_t revision() const;       // as published: never lower than what was published before
-  PoseGraph::Earlier earlier_;         // what the journal says of an earlier process
+  std::int64_t revision() const;     // as published: never lower than what was published before
+  std::vector<std::uint8_t> saved_;  // the journal's: of an earlier process, not restored yet
+  PoseGraph::Earlier earlier_;       // what became of that, or of the empty graph, since
+  bool rebuild_begun_ = false;
   std::int64_t solves_ = 0;            // when memory was last given back
   std::int64_t last_complete_ = 0;     // revision of graph_
   NodeId last_told_;                   // the nodes behind it are said next

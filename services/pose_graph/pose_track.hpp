@@ -9,6 +9,7 @@
 
 #include "libs/geometry/pose.hpp"
 #include "libs/graph/node_id.hpp"
+#include "libs/journal/note_bytes.hpp"
 
 namespace fusion_slam {
 
@@ -47,6 +48,9 @@ class PoseTrack {
   // Motion between two times, when both can be answered and the track is unbroken from one to the
   // other.
   std::optional<SE3> motion(std::int64_t from_us, std::int64_t to_us) const;
+
+  void write(NoteWriter* out) const;  // for the journal
+  void read(NoteReader* in);          // all of it; whether it was good, `in` says
 
  private:
   std::int64_t max_gap_us_;

@@ -35,7 +35,12 @@ struct Service {
   }
   ~Service() {
     bus->stop();
+    if (thread.joinable()) thread.join();
+  }
+  void renew_journal() {
+    bus->stop();
     thread.join();
+    EXPECT_TRUE(bus->renew_journal());
   }
   std::string says() const { return bus->status().state_text; }
   std::unique_ptr<Bus> bus;
@@ -91,7 +96,7 @@ void drive(Bus* bus) {
   }
 }
 
-TEST(LiveGraph, LateOnesHaveItAllAndARestartCarriesTheSameNodes) {
+void late_ones_have_it_all_and_a_restart_carries_the_same_nodes(bool renewed) {
   const auto network = std::make_shared<Transport>("memq://");
   const std::string journal =
       (std::filesystem::path(testing::TempDir()) / ("live_graph_" + std::to_string(getpid())))
@@ -110,6 +115,7 @@ TEST(LiveGraph, LateOnesHaveItAllAndARestartCarriesTheSameNodes) {
     Listener late("late", network);
     EXPECT_TRUE(late.soon([&] { return late.by_complete.size() == kNodes; })) << "at once";
     before = service.says();
+    if (renewed) service.renew_journal();
   }
   EXPECT_EQ(before.find("(0 carried"), std::string::npos) << before;
   const auto T_before = world.T_map_base;
@@ -121,6 +127,14 @@ TEST(LiveGraph, LateOnesHaveItAllAndARestartCarriesTheSameNodes) {
   for (const auto& [id, T] : T_before)
     EXPECT_LT(local(T, world.T_map_base.at(id)).norm(), 0.006) << id;
   std::filesystem::remove(journal);
+}
+
+TEST(LiveGraph, LateOnesHaveItAllAndARestartCarriesTheSameNodes) {
+  late_ones_have_it_all_and_a_restart_carries_the_same_nodes(false);
+}
+
+TEST(LiveGraph, AndFromAJournalThatWasWrittenAnew) {
+  late_ones_have_it_all_and_a_restart_carries_the_same_nodes(true);
 }
 
 }  // namespace

@@ -1,19 +1,13 @@
 // Nodes that older ones supersede: what is left of a long drive in the same place.
 #include "services/pose_graph/thinning.hpp"
 
-#include <cmath>
-#include <limits>
-#include <random>
-
 #include <gtest/gtest.h>
 
 #include "libs/pose_manifold/relative_pose_cost.hpp"
-#include "services/pose_graph/pose_graph.hpp"
+#include "tests/services/pose_graph/rounds.hpp"
 
 namespace fusion_slam {
 namespace {
-
-NodeId node(std::int64_t id) { return {NodeKind::kKeyframe, id}; }
 
 Matrix6d covariance(double m, double rad) {
   Vector6d variance;
@@ -91,78 +85,6 @@ TEST(Thinning, OfTwoLoopsThatThenJoinTheSameNodesTheBetterStays) {
   EXPECT_TRUE(edges[1].T_from_to.isApprox(step, 1e-12));
   EXPECT_GT(effective_covariance(config.noise, edges[1], false).trace(), way)
       << "no more certain than the way to its carrier";
-}
-
-// Round and round a block of 24 m in 20 s; loops lead back to where the robot was a round before
-// and in the first one.
-class Rounds {
- public:
-  static constexpr int kPerRound = 24;
-
-  explicit Rounds(int n_nodes) {
-    std::mt19937 random(5);
-    std::normal_distribution<double> gauss;
-    const auto noisy = [&](const SE3& T, double m, double rad) {
-      Vector6d xi;
-      xi << m * gauss(random), m * gauss(random), 0.0, 0.0, 0.0, rad * gauss(random);
-      return retract(T, xi);
-    };
-    for (int i = 0; i < n_nodes; ++i) {
-      NodeInput input;
-      input.id = node(i + 1);
-      input.utime_us = utime_us(i);
-      input.previous_id = i;
-      if (i > 0) input.T_previous_base = noisy(truth(i - 1).inverse() * truth(i), 0.001, 0.0005);
-      input.covariance = Matrix6d::Identity() * 1e-6;
-      nodes.push_back(input);
-      for (const int before : {i - kPerRound, i % kPerRound})
-        if (before >= 0 && before < i && i % 2 == 0)
-          loops[i].push_back({node(before + 1),
-                              node(i + 1),
-                              noisy(truth(before).inverse() * truth(i), 0.002, 0.0005),
-                              Matrix6d::Identity() * 4e-6,
-                              {}});
-    }
-  }
-  static std::int64_t utime_us(int i) { return 1'000'000 + i * (20'000'000 / kPerRound); }
-  static SE3 truth(int i) {
-    const double a = 2.0 * M_PI * i / kPerRound;
-    return from_xyz_rpy(3.8 * std::sin(a), 3.8 * (1.0 - std::cos(a)), 0, 0, 0, a);
-  }
-  // Nodes [from, to).
-  void feed(PoseGraph* graph, int from, int to) const {
-    for (int i = from; i < to; ++i) {
-      graph->add_node(nodes[static_cast<std::size_t>(i)]);
-      PoseInput pose;
-      pose.utime_us = utime_us(i);
-      pose.state = PoseState::kOk;
-      pose.reference = node(i + 1);
-      graph->add_pose(pose);
-      const auto found = loops.find(i);
-      if (found == loops.end()) continue;
-      for (const LoopInput& loop : found->second) graph->add_loop(loop);
-    }
-  }
-
-  std::vector<NodeInput> nodes;
-  std::map<int, std::vector<LoopInput>> loops;
-};
-
-PoseGraph camera_graph(bool thinned) {
-  PoseGraphConfig config;
-  if (!thinned) config.thinning.enough = std::numeric_limits<int>::max();
-  PoseGraph graph(config);
-  RobotModel robot;
-  robot.has_camera = true;
-  robot.has_lidar = false;
-  graph.set_robot(robot);
-  return graph;
-}
-
-std::map<NodeId, SE3> all_poses(const PoseGraph& graph) {
-  std::map<NodeId, SE3> poses;
-  for (const auto& [id, at] : graph.nodes_after({}, graph.n_nodes())) poses[id] = at.T_map_base;
-  return poses;
 }
 
 TEST(Thinning, ManyRoundsStayWhereTheWholeGraphPutsThem) {
