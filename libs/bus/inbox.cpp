@@ -187,8 +187,11 @@ std::vector<std::int64_t> Inbox::missing(std::size_t index, std::int64_t now_us,
 
 void Inbox::was_handled(std::size_t channel, std::int64_t seq, std::int64_t utime_us,
                         std::int64_t now_us) {
-  if (channels_[channel].has_seq && seq > 0)
-    channels_[channel].sequence.was_handled(seq, utime_us, now_us);
+  Channel& heard = channels_[channel];
+  if (!heard.has_seq || seq <= 0) return;
+  heard.sequence.was_handled(seq, utime_us, now_us);
+  if (mode_ == Mode::kLive && heard.policy == Policy::kLatestOnly)
+    heard.sequence.never_given(0, heard.sequence.highest());
 }
 
 void Inbox::processed(const InboxItem& item) {

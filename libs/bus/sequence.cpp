@@ -37,6 +37,9 @@ SequenceTracker::Seen SequenceTracker::see(std::int64_t seq, std::int64_t utime_
 }
 
 void SequenceTracker::was_handled(std::int64_t seq, std::int64_t utime_us, std::int64_t now_us) {
+  // Of a publisher that has been started again since: the number is far ahead of newer ones.
+  if (joined_ && seq > highest_ + kOnTheWay && utime_us < newest_utime_us_) return;
+  if (joined_ && seq < floor_ && utime_us > newest_utime_us_) restart();  // and this one's is not
   if (joined_ && seq < floor_) {
     for (std::int64_t gap = std::max(seq + 1, floor_ - kMostGaps); gap < floor_; ++gap)
       if (before_floor_.count(gap) == 0) missing_.emplace(gap, now_us);

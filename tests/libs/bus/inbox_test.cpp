@@ -41,6 +41,17 @@ TEST(Inbox, LatestOnlyMissesNothingThatANewerOneHasTakenThePlaceOf) {
   }
 }
 
+// A restart: the newest has come already when the journal is read.
+TEST(Inbox, NorDoesOneThatIsBuiltUpAgain) {
+  for (const Policy policy : {Policy::kLatestOnly, Policy::kKeepAll}) {
+    Inbox inbox(Mode::kLive, 10, 0);
+    const auto model = inbox.add_channel("ROBOT_MODEL", policy, true);
+    inbox.push(item(model, 9, 9));
+    for (const int handled : {1, 2, 5}) inbox.was_handled(model, handled, handled, 0);
+    EXPECT_EQ(inbox.missing(model, 100, 0, 10).size(), policy == Policy::kLatestOnly ? 0U : 5U);
+  }
+}
+
 TEST(Inbox, OfflineNothingIsDropped) {
   Inbox inbox(Mode::kThroughput, 2, 0);
   const auto camera = inbox.add_channel("CAMERA", Policy::kLatestOnly, false);

@@ -160,6 +160,25 @@ TEST(SequenceTracker, AsksForWhatLiesBetweenAnEarlierProcessAndNow) {
   EXPECT_EQ(tracker.highest(), 8);
 }
 
+// A journal that was written anew begins with the last number of then; the publisher was started
+// again since, and counts from 1.
+TEST(SequenceTracker, AnEarlierProcessHasHeardAPublisherStartAgain) {
+  for (const bool heard_already : {false, true}) {
+    SequenceTracker tracker(false);
+    if (heard_already) tracker.see(4, 203, 0);
+    tracker.was_handled(2500, 100, 5);
+    tracker.was_handled(2501, 101, 5);
+    for (int seq = 1; seq <= 3; ++seq) tracker.was_handled(seq, 199 + seq, 5);
+    if (!heard_already) {
+      EXPECT_EQ(tracker.see(4, 203, 6), SequenceTracker::Seen::kNew);
+    }
+    EXPECT_EQ(tracker.missing_count(), 0U) << heard_already;
+    EXPECT_EQ(tracker.highest(), 4);
+    tracker.see(6, 205, 7);
+    EXPECT_THAT(tracker.missing(100, 0, 10), testing::ElementsAre(5));
+  }
+}
+
 TEST(SequenceTracker, AfterARestartLowNumbersAreNewOnes) {
   SequenceTracker tracker(false);
   for (int seq = 1; seq <= 9; ++seq) tracker.see(seq, 10, 0);
