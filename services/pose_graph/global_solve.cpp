@@ -65,7 +65,8 @@ void PoseGraph::start_global_solve(bool with_bundle) {
   question.options.anchor = by_time_.begin()->second;
   question.nodes = nodes_;
   question.edges = edges_;
-  background_.emplace();
+  background_ = std::make_unique<BackgroundSolve>();
+  question.options.unwanted = background_->unwanted;
   background_->meet_us =
       newest_utime_us_ + (with_bundle ? config_.bundle.meet_after_us : config_.meet_after_us);
   background_->answer = solve_elsewhere(std::move(question));
@@ -93,7 +94,7 @@ void PoseGraph::meet_global_solve(bool now) {
                   [](const GraphEdge& edge) { return edge.kind == EdgeKind::kLoop; });
   adopt(answer);
   thin();  // before the next solve is asked for: while loops keep coming one follows the other
-  if (quick_) quick_->outdated = true;
+  if (quick_) *quick_->unwanted = quick_->outdated = true;
   if (!pulls) return;
   quick_rest_until_us_ = 0;
   solve_quickly();  // the answer knows nothing of loops that came since

@@ -1,6 +1,7 @@
 // The whole graph solved anew, on a copy, in a thread of its own.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <future>
 #include <memory>
@@ -23,9 +24,14 @@ struct GlobalSolve {                             // question and answer
 };
 
 struct BackgroundSolve {
-  std::int64_t meet_us = 0;          // measurement time at which the answer is taken over
-  SE3 T_now_then = SE3::Identity();  // how the whole map has been moved since it was asked
-  bool outdated = false;             // since then the nodes were moved by a better answer
+  BackgroundSolve() = default;
+  BackgroundSolve(const BackgroundSolve&) = delete;
+  BackgroundSolve& operator=(const BackgroundSolve&) = delete;
+  ~BackgroundSolve() { *unwanted = true; }  // and waits for the step it is at
+  std::int64_t meet_us = 0;                 // measurement time at which the answer is taken over
+  SE3 T_now_then = SE3::Identity();         // how the whole map has been moved since it was asked
+  bool outdated = false;                    // since then the nodes were moved by a better answer
+  std::shared_ptr<std::atomic<bool>> unwanted = std::make_shared<std::atomic<bool>>(false);
   std::future<GlobalSolve> answer;
 };
 

@@ -2,7 +2,9 @@
 // wrong loops.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <memory>
 #include <set>
 #include <utility>
 #include <vector>
@@ -21,6 +23,9 @@ struct SolveOptions {
   bool doubt = true;
   int max_iterations = 60;
   double enough = 1e-7;  // done when a step lowers the cost by less than this share of it
+  // Set by another thread when nobody wants the answer any more: the step it is at is the last, and
+  // the report not usable.
+  std::shared_ptr<const std::atomic<bool>> unwanted = nullptr;
 };
 
 struct SolveReport {

@@ -134,7 +134,6 @@ void PoseGraph::start_anew() {
 
 void PoseGraph::finish() {
   finishing_ = true;
-  if (quick_) quick_->answer.wait();
   quick_.reset();  // all is solved below
   meet_global_solve(true);
   settle();

@@ -218,13 +218,13 @@ class PoseGraph {
   std::vector<LoopState> switched_off_;
   int unsolved_loops_ = 0;              // taken since the last solve of the whole graph
   std::map<std::size_t, int> doubted_;  // edge: whole solves in a row that it did not fit
-  std::optional<BackgroundSolve> background_;
+  std::unique_ptr<BackgroundSolve> background_;
   std::int64_t rest_until_us_ = 0;        // live: of measurements; no whole solve begins before
   bool solve_wanted_ = false;             // meanwhile
   std::int64_t quick_rest_until_us_ = 0;  // live: of measurements; as for solve_quickly()
   bool quick_wanted_ = false;
   std::int64_t quick_took_us_ = 0;  // live: the last one
-  std::optional<BackgroundSolve> quick_;
+  std::unique_ptr<BackgroundSolve> quick_;
   LandmarkStore seen_;
   std::map<std::pair<NodeId, NodeId>, std::vector<std::pair<int, int>>> same_points_;  // by loop
   std::size_t bundled_keyframes_ = 0;  // at the last bundle adjustment

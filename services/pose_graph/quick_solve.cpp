@@ -50,7 +50,8 @@ void PoseGraph::start_quick_solve() {
   question.nodes = nodes_;
   question.edges = edges_;
   unsolved_loops_ = 0;
-  quick_.emplace();
+  quick_ = std::make_unique<BackgroundSolve>();
+  question.options.unwanted = quick_->unwanted;
   quick_->answer = solve_elsewhere(std::move(question));
 }
 

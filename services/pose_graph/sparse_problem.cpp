@@ -19,7 +19,10 @@ constexpr double kMostDamping = 1e4;
 
 SparseProblem::SparseProblem(const PoseGraphConfig& config, const SolveOptions& options,
                              const GraphNodes& nodes, const std::vector<GraphEdge>& edges)
-    : config_(config), planar_(options.planar), enough_(options.enough) {
+    : config_(config),
+      planar_(options.planar),
+      enough_(options.enough),
+      unwanted_(options.unwanted) {
   const auto moves = [&](const NodeId& id) {
     return id != options.anchor && (options.moving.empty() || options.moving.count(id) > 0);
   };
@@ -236,6 +239,10 @@ double SparseProblem::minimise(double mu, int max_iterations, Poses* poses, int*
   double damping = kFirstDamping;
   linearise(*poses, mu);
   for (int i = 0; i < max_iterations; ++i) {
+    if (unwanted_ && *unwanted_) {
+      *usable = false;
+      return now;
+    }
     ++*iterations;
     fill(damping);
     Eigen::VectorXd step;

@@ -66,6 +66,7 @@ class SparseProblem {
   const PoseGraphConfig& config_;
   bool planar_;
   double enough_;
+  std::shared_ptr<const std::atomic<bool>> unwanted_;
   bool has_loops_ = false;
   std::vector<NodeId> variables_;
   Poses start_;

@@ -180,6 +180,25 @@ TEST(GraphSolver, APlanarRobotIsPutBackOnItsFloor) {
     EXPECT_LT(std::abs(node.T_map_base.translation().z()), 0.02) << id.id;
 }
 
+TEST(GraphSolver, WhatNobodyWantsAnyMoreEndsAndChangesNothing) {
+  Truth truth = square(5, 0.02, 0.01, 4);
+  truth.edges.push_back(edge(EdgeKind::kLoop, 1, 20, truth.poses[0].inverse() * truth.poses[19]));
+  const GraphNodes before = truth.nodes;
+  SolveOptions options;
+  options.anchor = keyframe(1);
+  const auto unwanted = std::make_shared<std::atomic<bool>>(true);
+  options.unwanted = unwanted;
+  SolveReport report = solve_graph({}, options, &truth.nodes, &truth.edges);
+  EXPECT_FALSE(report.usable);
+  EXPECT_EQ(report.iterations, 0);
+  for (const auto& [id, node] : before)
+    EXPECT_EQ(truth.nodes.at(id).T_map_base.matrix(), node.T_map_base.matrix());
+  *unwanted = false;
+  report = solve_graph({}, options, &truth.nodes, &truth.edges);
+  EXPECT_TRUE(report.usable);
+  EXPECT_GT(report.iterations, 0);
+}
+
 TEST(GraphSolver, TwoRunsGiveTheSameBits) {
   const auto run = [] {
     Truth truth = square(25, 0.01, 0.005, 11);
