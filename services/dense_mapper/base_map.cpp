@@ -98,8 +98,8 @@ void BaseMap::rebuild_cells(const std::set<CubeIndex>& cubes, const DenseSubmaps
       cubes_.erase(index);
     else
       cubes_[index] = std::move(bytes);
+    hot_.erase(index);
   }
-  hot_.clear();
 }
 
 void BaseMap::rebuild_points(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,

@@ -145,7 +145,7 @@ void DenseMapper::integrate(std::int64_t keyframe_id, std::int64_t submap_id,
   ++fresh_keyframes_;
   newest_us_ = std::max(newest_us_, cloud.utime_us);
   if (submap.closed || submap_id < base_upto_) {
-    integrate_late(cloud, T_submap_camera, &submap);
+    integrate_late(cloud, T_submap_camera, submap_id, &submap);
     return changed_submap(submap_id);
   }
   const std::set<BlockIndex> blocks = integrate_cloud(cloud, T_submap_camera, camera_, resolution_m,
@@ -162,12 +162,12 @@ void DenseMapper::integrate(std::int64_t keyframe_id, std::int64_t submap_id,
 
 // Newer submaps lie above this one already.
 void DenseMapper::integrate_late(const DepthCloud& cloud, const SE3& T_submap_camera,
-                                 DenseSubmap* submap) {
+                                 std::int64_t submap_id, DenseSubmap* submap) {
   if (submap->closed) open_submap(submap);
   integrate_cloud(cloud, T_submap_camera, camera_, robot_.map_resolution_m, config_, !robot_.planar,
                   submap);
   close_submap(robot_.map_resolution_m, submap);
-  mark_all(*submap);
+  mark_all(submap_id, *submap);
 }
 
 bool DenseMapper::needs_placing(std::int64_t id, const DenseSubmap& submap, double slack_m) const {
@@ -182,7 +182,9 @@ bool DenseMapper::anything_moved(double slack_m) const {
 
 bool DenseMapper::due() const {
   if (fresh_keyframes_ > 0 || grid_is_late_) return true;
-  if (!follows_moves_ || graph_us_ < placed_us_ + config_.moved_period_us) return false;
+  if (!follows_moves_) return false;
+  if (!dirty_base_.empty()) return true;
+  if (graph_us_ < placed_us_ + config_.moved_period_us) return false;
   return anything_moved(config_.slack_voxels * robot_.map_resolution_m);
 }
 
@@ -197,12 +199,11 @@ DenseTiles DenseMapper::update(bool exact) {
 DenseTiles DenseMapper::update_grid(bool exact) {
   finishing_ = exact;
   maps_due_ |= exact || grid_is_late_;
-  if (exact || (follows_moves_ && graph_us_ >= placed_us_ + config_.moved_period_us))
+  if (exact ||
+      (follows_moves_ && !part_followed_ && graph_us_ >= placed_us_ + config_.moved_period_us))
     maps_due_ |=
         place_submaps(exact ? kExactSlackM : config_.slack_voxels * robot_.map_resolution_m);
-  if (!dirty_base_.empty()) base_.rebuild_cells(dirty_base_, submaps_, base_upto_);
-  dirty_points_.merge(dirty_base_);
-  dirty_base_.clear();
+  follow_in_base(exact || grid_is_late_);
   fresh_keyframes_ = 0;
   grid_is_late_ = false;
   DenseTiles tiles;
@@ -229,29 +230,38 @@ bool DenseMapper::place_submaps(double slack_m) {
   bool moved = false;
   for (auto& [id, submap] : submaps_) {
     if (!needs_placing(id, submap, slack_m)) continue;
-    mark_all(submap);  // what it leaves
+    mark_all(id, submap);  // what it leaves
     submap.T_map_submap = placement(id, submap);
     placed_submap(id);
     if (submap.closed) {
       const auto touched = touched_cubes(submap, robot_.map_resolution_m);
       submap.touches.assign(touched.begin(), touched.end());
     }
-    mark_all(submap);  // where it goes
+    mark_all(id, submap);  // where it goes
     moved = true;
   }
-  if (moved) ++times_followed_;
   return moved;
 }
 
-void DenseMapper::mark_all(const DenseSubmap& submap) {
-  std::set<CubeIndex> touched;
-  if (submap.closed) {
-    touched.insert(submap.touches.begin(), submap.touches.end());
-    dirty_base_.insert(touched.begin(), touched.end());
-  } else {
-    touched = touched_cubes(submap, robot_.map_resolution_m);
-  }
-  mark(touched);
+// The whole map takes seconds, and who waits for a raster must not wait for that. What is left over
+// is the old map, whole and published: nobody sees a cube that is neither old nor new.
+void DenseMapper::follow_in_base(bool all) {
+  std::set<CubeIndex> cubes;
+  if (all) cubes.swap(dirty_base_);
+  while (follows_moves_ && !dirty_base_.empty() && cubes.size() < cubes_a_step_)
+    cubes.insert(dirty_base_.extract(dirty_base_.begin()));
+  part_followed_ = !dirty_base_.empty();
+  if (cubes.empty()) return;
+  base_.rebuild_cells(cubes, submaps_, base_upto_);
+  cubes_followed_ += cubes.size();
+  mark(cubes);
+  dirty_points_.merge(cubes);
+  maps_due_ = true;
+}
+
+void DenseMapper::mark_all(std::int64_t id, const DenseSubmap& submap) {
+  if (submap.closed) dirty_base_.insert(submap.touches.begin(), submap.touches.end());
+  if (!submap.closed || id >= base_upto_) mark(touched_cubes(submap, robot_.map_resolution_m));
 }
 
 void DenseMapper::mark(const std::set<CubeIndex>& cubes) {
@@ -281,10 +291,7 @@ bool DenseMapper::close_full_submaps() {
 void DenseMapper::extend_base() {
   for (auto it = submaps_.lower_bound(base_upto_); it != submaps_.end(); ++it) {
     if (!it->second.closed) return;
-    // What moved below it is composed first: extend() adds to what is there.
-    if (!dirty_base_.empty()) base_.rebuild(dirty_base_, submaps_, base_upto_);
-    dirty_base_.clear();
-    base_.extend(it->second);
+    base_.extend(it->second);  // also where all is to be composed again: with this one, then
     base_upto_ = it->first + 1;
     std::set<std::int64_t> counted;
     const std::int64_t old =

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -84,8 +85,11 @@ class DenseMapper {
   // --- for a process that can't keep up (pace.hpp); never in a replay
   // False: anchors that move are not followed until this is called again, or for the final map.
   void follow_moves(bool follow) { follows_moves_ = follow; }
-  // How often update_grid() has composed submaps that moved.
-  std::int64_t times_followed() const { return times_followed_; }
+  // Where submaps moved, each update_grid() composes at most so many cubes of the map again; the
+  // rest stays as it was until the next. Moves that come meanwhile are followed after these.
+  void follow_at_most(std::size_t cubes) { cubes_a_step_ = cubes; }
+  // How many cubes that has been so far.
+  std::size_t cubes_followed() const { return cubes_followed_; }
   // A submap would begin with this keyframe, where the base of a closed one, looking the same way,
   // lies close by.
   bool repeats_a_place(std::int64_t id) const;
@@ -120,8 +124,10 @@ class DenseMapper {
   bool anything_moved(double slack_m) const;
   void integrate(std::int64_t keyframe_id, std::int64_t submap_id, const DepthCloud& cloud);
   DenseSubmap& submap_for(std::int64_t submap_id);
-  void integrate_late(const DepthCloud& cloud, const SE3& T_submap_camera, DenseSubmap* submap);
+  void integrate_late(const DepthCloud& cloud, const SE3& T_submap_camera, std::int64_t submap_id,
+                      DenseSubmap* submap);
   bool place_submaps(double slack_m);
+  void follow_in_base(bool all);
   bool close_full_submaps();
   void extend_base();
   void supersede(std::int64_t id);
@@ -129,7 +135,7 @@ class DenseMapper {
   void forget_submap(std::int64_t id);
   void check_wish();
   void found_level();
-  void mark_all(const DenseSubmap& submap);
+  void mark_all(std::int64_t id, const DenseSubmap& submap);
   void mark(const std::set<CubeIndex>& cubes);
 
   // publish.cpp
@@ -144,6 +150,7 @@ class DenseMapper {
   SavedValues saved_values() const;
   void changed_submap(std::int64_t id);
   void placed_submap(std::int64_t id);
+  void note_dirty_base(SavedMapWriter* out);
 
   CameraModel camera_;
   RobotModel robot_;
@@ -167,7 +174,7 @@ class DenseMapper {
   bool maps_due_ = false;             // OctoMap and cloud, too
   bool finishing_ = false;            // the last update_grid() was exact: nothing stays open
   std::set<CubeIndex> dirty_cubes_;   // OctoMap and cloud to be composed again
-  std::set<CubeIndex> dirty_base_;    // below them a submap moved
+  std::set<CubeIndex> dirty_base_;    // a submap moved there: the base is to be composed again
   std::set<CubeIndex> dirty_points_;  // of these the base's voxels have followed already
   Columns dirty_columns_;             // raster
   ColumnRasters columns_;             // the band of the map, seen from above
@@ -181,9 +188,12 @@ class DenseMapper {
   std::int64_t dropped_ = 0;
 
   bool follows_moves_ = true;
-  std::int64_t times_followed_ = 0;
+  std::size_t cubes_a_step_ = std::numeric_limits<std::size_t>::max();
+  std::size_t cubes_followed_ = 0;
+  bool part_followed_ = false;  // some of dirty_base_ is left for the next step
 
   bool keeps_changes_ = false;
+  bool dirty_base_noted_ = false;  // the latest record has some
   struct Changes {
     bool values = false;
     std::map<std::int64_t, SavedKeyframe> keyframes;

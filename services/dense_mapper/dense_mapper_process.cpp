@@ -211,14 +211,18 @@ void DenseMapperProcess::reset() {
 void DenseMapperProcess::integrate_and_publish() {
   integrate();
   const bool live = bus_.mode() == Mode::kLive;
-  if (live) mapper_->follow_moves(pace_.may_follow(steady_s()));
+  if (live) {
+    mapper_->follow_moves(pace_.may_follow(steady_s()));
+    mapper_->follow_at_most(pace_.cubes_a_step());
+  }
   if (finished_ || mapper_->due()) {
     if (const auto wish = mapper_->wish_level(finished_)) publish_level(*wish);
     const double begin_s = steady_s();
-    const std::int64_t times = mapper_->times_followed();
+    const std::size_t before = mapper_->cubes_followed();
     publish_maps();
     const double end_s = steady_s();
-    if (live && mapper_->times_followed() != times) pace_.followed(end_s, end_s - begin_s, queue());
+    const std::size_t cubes = mapper_->cubes_followed() - before;
+    if (live && cubes > 0) pace_.followed(end_s, end_s - begin_s, cubes, queue());
   }
   write_down();
   bus_.set_state_text(

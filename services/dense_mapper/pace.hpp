@@ -10,10 +10,12 @@ namespace fusion_slam {
 
 class Pace {
  public:
-  // Moved submaps were composed again: now_s, after it took cost_s, with `queue` messages waiting.
-  // At most a quarter of the time goes into this, a sixteenth while it is behind.
-  void followed(double now_s, double cost_s, std::size_t queue);
+  // So many cubes of the map were composed again: now_s, after it took cost_s, with `queue`
+  // messages waiting. At most a quarter of the time goes into this, a sixteenth while it is behind.
+  void followed(double now_s, double cost_s, std::size_t cubes, std::size_t queue);
   bool may_follow(double now_s) const { return now_s >= next_s_; }
+  // So many take about a tenth of a second, as far as known: what comes meanwhile waits no longer.
+  std::size_t cubes_a_step() const { return cubes_a_step_; }
 
   // More messages wait than a few seconds bring.
   static bool behind(std::size_t queue) { return queue > kBehind; }
@@ -24,6 +26,7 @@ class Pace {
  private:
   static constexpr std::size_t kBehind = 64;  // GRAPH and images: about 5 s
   double next_s_ = 0.0;
+  std::size_t cubes_a_step_ = 16;
   std::int64_t since_mapped_ = 0;  // submaps left out
 };
 

@@ -15,6 +15,7 @@ enum Piece : std::uint8_t {
   kGoneSubmap = 6,
   kBaseCube = 7,
   kBaseCloud = 8,
+  kDirtyBase = 9,
 };
 
 void put_index(const CubeIndex& index, NoteWriter* out) {
@@ -159,6 +160,12 @@ void read_piece(std::uint8_t piece, NoteReader* in, SavedMap* map) {
                   : void(map->base_clouds[key] = std::move(bytes));
     return;
   }
+  if (piece == kDirtyBase) {
+    map->dirty_base.clear();
+    for (std::size_t n = in->count(12); n > 0 && in->good(); --n)
+      map->dirty_base.insert(get_index(in));
+    return;
+  }
   const auto id = in->get<std::int64_t>();
   if (piece == kKeyframe) {
     SavedKeyframe keyframe;
@@ -260,6 +267,13 @@ void SavedMapWriter::base_cloud(const TileKey& key, const PackedBytes& bytes) {
   out.some(bytes);
 }
 
+void SavedMapWriter::dirty_base(const std::set<CubeIndex>& cubes) {
+  NoteWriter out(&bytes_);
+  out.put(std::uint8_t{kDirtyBase});
+  out.put(static_cast<std::uint32_t>(cubes.size()));
+  for (const CubeIndex& index : cubes) put_index(index, &out);
+}
+
 SavedBytes SavedMapWriter::take() {
   if (bytes_.empty()) return {};
   bytes_.insert(bytes_.begin(), kVersion);
@@ -271,7 +285,7 @@ bool read_saved(const std::uint8_t* bytes, std::size_t size_bytes, SavedMap* map
   if (in.get<std::uint8_t>() != kVersion) return false;
   while (in.more()) {
     const auto piece = in.get<std::uint8_t>();
-    if (piece < kValues || piece > kBaseCloud) return false;
+    if (piece < kValues || piece > kDirtyBase) return false;
     if (piece == kValues)
       get_values(&in, &map->values);
     else

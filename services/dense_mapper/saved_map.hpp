@@ -46,6 +46,7 @@ struct SavedMap {
   IdRanges integrated;  // keyframes of closed submaps
   PackedCubes base_cubes;
   PackedCloud base_clouds;
+  std::set<CubeIndex> dirty_base;  // cubes that do not follow a submap's move yet
 };
 
 // One record, put together piece by piece.
@@ -59,6 +60,7 @@ class SavedMapWriter {
   void gone_submap(std::int64_t id);
   void base_cube(const CubeIndex& index, const PackedBytes& bytes);  // no bytes: nothing there
   void base_cloud(const TileKey& key, const PackedBytes& bytes);
+  void dirty_base(const std::set<CubeIndex>& cubes);  // all there are
 
   std::size_t size_bytes() const { return bytes_.size(); }
   SavedBytes take();  // begins another record

@@ -47,6 +47,11 @@ SavedValues DenseMapper::saved_values() const {
   return values;
 }
 
+void DenseMapper::note_dirty_base(SavedMapWriter* out) {
+  if (!dirty_base_.empty() || dirty_base_noted_) out->dirty_base(dirty_base_);
+  dirty_base_noted_ = !dirty_base_.empty();
+}
+
 SavedBytes DenseMapper::take_changes() {
   const Changes changes = std::exchange(changes_, {});
   const std::set<CubeIndex> cubes = base_.take_changed_cubes();
@@ -69,6 +74,7 @@ SavedBytes DenseMapper::take_changes() {
     const auto it = submaps_.find(id);
     if (it != submaps_.end() && changes.whole.count(id) == 0) out.placed_submap(id, it->second);
   }
+  note_dirty_base(&out);
   const PackedBytes nothing;
   for (const CubeIndex& index : cubes) {
     const auto it = base_.cubes().find(index);
@@ -90,6 +96,7 @@ void DenseMapper::write_all(const std::function<void(const SavedBytes&)>& emit) 
     if (out.size_bytes() >= size_bytes) emit(out.take());
   };
   out.values(saved_values());
+  note_dirty_base(&out);
   for (const auto& [first, last] : integrated_.ranges()) {
     std::int64_t from = first;  // those of open submaps apart
     for (auto it = open_keyframes_.lower_bound(first);
@@ -140,6 +147,8 @@ bool DenseMapper::restore(SavedMap map) {
     submap.touches.assign(touched.begin(), touched.end());
   }
   base_.restore(std::move(map.base_cubes), std::move(map.base_clouds));
+  dirty_base_ = std::move(map.dirty_base);
+  dirty_base_noted_ = part_followed_ = !dirty_base_.empty();
   std::set<CubeIndex> cubes;
   for (const auto& [index, bytes] : base_.cubes()) cubes.insert(index);
   for (const auto& [key, bytes] : base_.clouds())

@@ -13,12 +13,28 @@ namespace {
 TEST(Pace, FollowsForAQuarterOfTheTimeAndForASixteenthWhenBehind) {
   Pace pace;
   EXPECT_TRUE(pace.may_follow(10.0));
-  pace.followed(10.0, 0.5, 0);
+  pace.followed(10.0, 0.5, 1, 0);
   EXPECT_FALSE(pace.may_follow(11.4));
   EXPECT_TRUE(pace.may_follow(11.5));
-  pace.followed(12.0, 0.5, 1000);
+  pace.followed(12.0, 0.5, 1, 1000);
   EXPECT_FALSE(pace.may_follow(19.4));
   EXPECT_TRUE(pace.may_follow(19.5));
+}
+
+TEST(Pace, AStepTakesATenthOfASecondWhateverACubeCosts) {
+  for (const double cube_s : {0.0002, 0.001, 0.01}) {
+    Pace pace;
+    double cost_s = 0.0;
+    for (int i = 0; i < 12; ++i) {
+      cost_s = cube_s * static_cast<double>(pace.cubes_a_step());
+      pace.followed(i, cost_s, pace.cubes_a_step(), 0);
+    }
+    EXPECT_LT(cost_s, 0.2) << cube_s;
+    EXPECT_GT(cost_s, 0.03) << cube_s;
+    const std::size_t cubes = pace.cubes_a_step();
+    pace.followed(20.0, 0.001, 1, 0);
+    EXPECT_EQ(pace.cubes_a_step(), cubes) << "a step with little to do says nothing";
+  }
 }
 
 TEST(Pace, MapsTheFewerSubmapsTheLongerTheQueue) {
@@ -107,11 +123,11 @@ TEST_F(LeaveOut, MovesWaitUntilTheyMayBeFollowedOrTheMapIsFinished) {
   mapper_.set_pose(1, from_xyz_rpy(1, 0, 0, 0, 0, 0), late_us);
   EXPECT_FALSE(mapper_.due());
   EXPECT_TRUE(mapper_.update(false).octomap.empty());
-  EXPECT_EQ(mapper_.times_followed(), 0);
+  EXPECT_EQ(mapper_.cubes_followed(), 0U);
   mapper_.follow_moves(true);
   EXPECT_TRUE(mapper_.due());
   EXPECT_FALSE(mapper_.update(false).octomap.empty());
-  EXPECT_EQ(mapper_.times_followed(), 1);
+  EXPECT_GT(mapper_.cubes_followed(), 0U);
   mapper_.follow_moves(false);
   mapper_.set_pose(1, SE3::Identity(), 2 * late_us);
   EXPECT_FALSE(mapper_.update(true).octomap.empty());
