@@ -46,7 +46,8 @@ class NoteWriter {
 };
 
 // Never throws on any bytes and never reads behind them: good() turns false, and what is read from
-// then on is 0 or nothing. Doubles and floats of poses, matrices and vectors are finite.
+// then on is 0 or nothing. Doubles and floats of poses, matrices and vectors are finite; poses are
+// rigid motions of less than 100 km.
 class NoteReader {
  public:
   NoteReader(const std::uint8_t* bytes, std::size_t size_bytes) : at_(bytes), left_(size_bytes) {}
@@ -68,7 +69,8 @@ class NoteReader {
   SE3 pose() {
     SE3 T = SE3::Identity();
     for (int i = 0; i < 12; ++i) T.matrix()(i % 3, i / 3) = finite(get<double>());
-    return T;
+    expect(T.linear().isUnitary(1e-3) && T.translation().cwiseAbs().maxCoeff() < 1e5);
+    return good_ ? T : SE3::Identity();
   }
   Matrix6d symmetric() {
     Matrix6d M;
@@ -98,6 +100,8 @@ class NoteReader {
     return 0;
   }
   double finite() { return finite(get<double>()); }
+  // What is read is of no use unless this holds.
+  void expect(bool holds) { good_ = good_ && holds; }
   bool good() const { return good_; }
   bool more() const { return good_ && left_ > 0; }
 

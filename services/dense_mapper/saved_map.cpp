@@ -23,10 +23,16 @@ void put_index(const CubeIndex& index, NoteWriter* out) {
   out->put(index.y);
   out->put(index.z);
 }
+// Farther away than a pose may be there is nothing, and numbers overflow.
+int get_coordinate(NoteReader* in) {
+  const int number = in->get<int>();
+  in->expect(number > -10'000'000 && number < 10'000'000);
+  return in->good() ? number : 0;
+}
 CubeIndex get_index(NoteReader* in) {
-  const int x = in->get<int>();
-  const int y = in->get<int>();
-  return {x, y, in->get<int>()};
+  const int x = get_coordinate(in);
+  const int y = get_coordinate(in);
+  return {x, y, get_coordinate(in)};
 }
 
 void put_key(const TileKey& key, NoteWriter* out) {
@@ -38,9 +44,9 @@ void put_key(const TileKey& key, NoteWriter* out) {
 TileKey get_key(NoteReader* in) {
   TileKey key;
   key.submap_id = in->get<std::int64_t>();
-  key.x = in->get<std::int32_t>();
-  key.y = in->get<std::int32_t>();
-  key.z = in->get<std::int32_t>();
+  key.x = get_coordinate(in);
+  key.y = get_coordinate(in);
+  key.z = get_coordinate(in);
   return key;
 }
 
