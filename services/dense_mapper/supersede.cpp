@@ -19,6 +19,9 @@ bool overlap(const std::vector<CubeIndex>& a, const std::vector<CubeIndex>& b) {
   return false;
 }
 
+constexpr int kEdge = kOctomapTileVoxels;
+// So that it takes as long after hours: who is known to fewer than 4 of so many stays until next.
+constexpr int kMostLookedAt = 128;
 constexpr int kMostVisits = 6;  // what is left after each is asked for half as often
 
 // Counts, for each voxel of a cube, the submaps that know it: at most `most`.
@@ -31,6 +34,93 @@ std::uint8_t* count_at(const ColouredPoint& point, double resolution_m,
   const auto it = counts->find({v.x() >> 5, v.y() >> 5, v.z() >> 5});
   if (it == counts->end()) return nullptr;
   return &it->second[voxel_index(v.x() & 31, v.y() & 31, v.z() & 31)];
+}
+
+// A voxel of which too few newer submaps are known to know it: its centre in voxels of the old one.
+struct Voxel {
+  Eigen::Vector3d centre;
+  std::uint8_t* count;
+};
+using Undecided = std::map<CubeIndex, std::vector<Voxel>>;  // by cube of the old submap
+
+Undecided undecided_of(std::map<CubeIndex, Counts>* counts) {
+  Undecided undecided;
+  for (auto& [index, count] : *counts) {
+    const Eigen::Vector3d corner =
+        Eigen::Vector3d(index.x, index.y, index.z) * kEdge + Eigen::Vector3d::Constant(0.5);
+    std::vector<Voxel> voxels;
+    for (std::size_t i = 0; i < count.size(); ++i)
+      if (count[i] == 0)
+        voxels.push_back(
+            {corner + Eigen::Array3i(static_cast<int>(i & 31), static_cast<int>(i >> 5 & 31),
+                                     static_cast<int>(i >> 10))
+                          .cast<double>()
+                          .matrix(),
+             &count[i]});
+    if (!voxels.empty()) undecided.emplace(index, std::move(voxels));
+  }
+  return undecided;
+}
+
+// A submap's cubes, unpacked when they are asked for.
+class Cubes {
+ public:
+  explicit Cubes(const PackedCubes& packed) : packed_(packed) {}
+  // Null when there is none.
+  const VoxelCells* at(const CubeIndex& index) {
+    if (asked_ && index == last_) return cells_;
+    asked_ = true;
+    last_ = index;
+    cells_ = nullptr;
+    const auto packed = packed_.find(index);
+    if (packed == packed_.end()) return nullptr;
+    const bool fresh = unpacked_.count(index) == 0;
+    VoxelCells& cells = cube_at(&unpacked_, index);
+    if (fresh) unpack_cells(packed->second, &cells);
+    return cells_ = &cells;
+  }
+  bool any_of(const std::set<CubeIndex>& some) const {
+    return std::any_of(some.begin(), some.end(),
+                       [this](const CubeIndex& index) { return packed_.count(index) != 0; });
+  }
+
+ private:
+  const PackedCubes& packed_;
+  VoxelCubes unpacked_;
+  bool asked_ = false;
+  CubeIndex last_;
+  const VoxelCells* cells_ = nullptr;
+};
+
+// Counts what this newer submap knows, and forgets the voxels that enough know by now.
+void count_known(const DenseSubmap& newer, const SE3& T_newer_old, double resolution_m, int keep,
+                 Undecided* undecided) {
+  constexpr int kFar = 1 << 20;  // whole cubes; rounding down is by cutting off then
+  SE3 T = T_newer_old;           // in voxels
+  T.translation() /= resolution_m;
+  const Eigen::Matrix3d R = T.linear();
+  const Eigen::Vector3d t = T.translation() + Eigen::Vector3d::Constant(kFar);
+  Cubes cubes(newer.packed);
+  for (auto it = undecided->begin(); it != undecided->end();) {
+    auto& [index, voxels] = *it;
+    const Eigen::Vector3d low = Eigen::Vector3d(index.x, index.y, index.z) * kEdge;
+    std::set<CubeIndex> touched;
+    insert_touched(low, low + Eigen::Vector3d::Constant(kEdge), T, kEdge, &touched);
+    if (!cubes.any_of(touched)) {
+      ++it;
+      continue;
+    }
+    for (const Voxel& voxel : voxels) {
+      const Eigen::Array3i v = (R * voxel.centre + t).array().cast<int>() - kFar;
+      const VoxelCells* cells = cubes.at({v.x() >> 5, v.y() >> 5, v.z() >> 5});
+      if (cells != nullptr &&
+          (*cells)[voxel_index(v.x() & 31, v.y() & 31, v.z() & 31)] != kUnknownVoxel)
+        ++*voxel.count;
+    }
+    const auto decided = [keep](const Voxel& voxel) { return *voxel.count >= keep; };
+    voxels.erase(std::remove_if(voxels.begin(), voxels.end(), decided), voxels.end());
+    it = voxels.empty() ? undecided->erase(it) : std::next(it);
+  }
 }
 
 }  // namespace
@@ -87,32 +177,16 @@ bool drop_superseded(std::int64_t id, int keep, double resolution_m, double clou
   }
   for (const ColouredPoint& point : points)  // except for the points in it
     if (std::uint8_t* count = count_at(point, resolution_m, &counts)) *count = 0;
-  std::map<CubeIndex, std::ptrdiff_t> open;  // voxels of each cube that too few newer ones know
-  std::set<CubeIndex> undecided;
-  for (const auto& [index, count] : counts) {
-    open[index] = std::count(count.begin(), count.end(), 0);
-    if (open[index] > 0) undecided.insert(index);
-  }
+  Undecided undecided = undecided_of(&counts);
   // The newest first: they suffice almost everywhere.
+  int looked_at = 0;
   for (auto it = submaps->rbegin(); it != submaps->rend() && it->first > id; ++it) {
     const DenseSubmap& newer = it->second;
-    if (undecided.empty()) break;
+    if (undecided.empty() || looked_at == kMostLookedAt) break;
     if (!newer.closed || !overlap(newer.touches, old.touches)) continue;
-    const SE3 T_newer_old = newer.T_map_submap.inverse() * old.T_map_submap;
-    const VoxelCubes voxels =
-        unpack_touching(newer.packed, T_newer_old.inverse(), resolution_m, undecided);
-    VoxelCells known;
-    for (auto index = undecided.begin(); index != undecided.end();) {
-      known.fill(kUnknownVoxel);
-      std::ptrdiff_t& left = open.at(*index);
-      if (add_submap(voxels, T_newer_old, *index, resolution_m, {-127, 127}, SliceRange{},
-                     &known)) {
-        Counts& count = counts.at(*index);
-        for (std::size_t i = 0; i < known.size(); ++i)
-          if (known[i] != kUnknownVoxel && count[i] < keep && ++count[i] == keep) --left;
-      }
-      index = left == 0 ? undecided.erase(index) : std::next(index);
-    }
+    count_known(newer, newer.T_map_submap.inverse() * old.T_map_submap, resolution_m, keep,
+                &undecided);
+    ++looked_at;
   }
   PackedCubes packed;
   std::size_t dropped = 0;

@@ -1,5 +1,7 @@
 // The same room again and again: what is kept stops growing, and the map is as good as with all of
 // it: it follows the graph, and what is taken away goes.
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "libs/grid/cell_state.hpp"
@@ -107,6 +109,59 @@ TEST(Ripest, IsTheLargeOneThatGatheredMuchAndWasLookedAtSeldom) {
   EXPECT_EQ(ripest(10, submaps), 2);
   submaps.at(2).closed = false;
   EXPECT_EQ(ripest(10, submaps), 1);
+}
+
+// Submaps of random voxels that lie across each other, against each voxel asked one by one.
+TEST(DropSuperseded, DropsWhatASlowCountSays) {
+  constexpr int kKeep = 3;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  DenseSubmaps submaps;
+  for (std::int64_t id = 1; id <= 8; ++id) {
+    DenseSubmap& submap = submaps.try_emplace(id, 0.025).first->second;
+    submap.closed = true;
+    submap.T_map_submap =
+        from_xyz_rpy(u(random), u(random), u(random), 0.2 * u(random), 0, u(random));
+    for (const CubeIndex index : {CubeIndex{0, 0, 0}, CubeIndex{-1, 0, 0}, CubeIndex{0, -1, 1}}) {
+      if (id == 4 && index.x < 0) continue;
+      VoxelCells cells;
+      for (std::int8_t& cell : cells)
+        cell = u(random) < 0.0 ? kUnknownVoxel : static_cast<std::int8_t>(50 * u(random));
+      submap.packed[index] = pack_cells(cells);
+    }
+    const auto touched = touched_cubes(submap, 0.05);
+    submap.touches.assign(touched.begin(), touched.end());
+  }
+  const auto at = [](const VoxelCubes& cubes, const Eigen::Vector3d& p) {
+    const Eigen::Array3i v = p.array().floor().cast<int>();
+    const auto it = cubes.find({v.x() >> 5, v.y() >> 5, v.z() >> 5});
+    return it == cubes.end() ? kUnknownVoxel
+                             : (*it->second)[voxel_index(v.x() & 31, v.y() & 31, v.z() & 31)];
+  };
+  std::map<std::int64_t, VoxelCubes> all;
+  for (const auto& [id, submap] : submaps) all[id] = unpack_cubes(submap.packed);
+  EXPECT_FALSE(drop_superseded(2, kKeep, 0.05, 0.025, &submaps));
+  const VoxelCubes left = unpack_cubes(submaps.at(2).packed);
+  int dropped = 0;
+  int kept = 0;
+  for (const auto& [index, cells] : all.at(2))
+    for (int i = 0; i < kOctomapTileVolume; ++i) {
+      const Eigen::Vector3d p =
+          Eigen::Vector3d(index.x * 32 + (i & 31), index.y * 32 + (i >> 5 & 31),
+                          index.z * 32 + (i >> 10)) +
+          Eigen::Vector3d::Constant(0.5);
+      if (at(all.at(2), p) == kUnknownVoxel) continue;
+      int known = 0;
+      for (std::int64_t id = 3; id <= 8; ++id) {
+        SE3 T = submaps.at(id).T_map_submap.inverse() * submaps.at(2).T_map_submap;
+        T.translation() /= 0.05;
+        known += at(all.at(id), T * p) != kUnknownVoxel ? 1 : 0;
+      }
+      (known >= kKeep ? dropped : kept) += 1;
+      ASSERT_EQ(at(left, p), known >= kKeep ? kUnknownVoxel : at(all.at(2), p)) << p.transpose();
+    }
+  EXPECT_GT(dropped, 1000);
+  EXPECT_GT(kept, 1000);
 }
 
 }  // namespace
