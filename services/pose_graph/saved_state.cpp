@@ -10,6 +10,7 @@ namespace fusion_slam {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
+constexpr std::size_t kManyNodes = 200;  // a solve of fewer takes milliseconds
 
 }  // namespace
 
@@ -164,6 +165,9 @@ bool PoseGraph::restore(NoteReader* in) {
   if (!good) restored = PoseGraph(config_);
   restored.robot_ = robot_;
   restored.camera_ = camera_;
+  // How long a solve takes it has forgotten; were the first one made at once, poses might wait for
+  // seconds.
+  if (restored.nodes_.size() >= kManyNodes) restored.quick_took_us_ = config_.longest_quick_us + 1;
   *this = std::move(restored);
   return good;
 }

@@ -1,5 +1,7 @@
 // What the pose graph writes down of itself, and how it goes on from there.
 #include <cstdint>
+#include <future>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -122,6 +124,34 @@ TEST(SavedState, ALoopThatWasSwitchedOffSinceIsOff) {
   third.rebuilt();
   EXPECT_EQ(third.switched_off().size(), 1U);
   EXPECT_EQ(third.counts().loops_switched_off, 1);
+}
+
+// Live, a large graph that was built up again can't know how long a solve takes.
+TEST(SavedState, ItsFirstSolveIsMadeElsewhere) {
+  const Rounds rounds(kState);
+  constexpr int kBefore = 10 * Rounds::kPerRound;
+  PoseGraph graph = camera_graph(false);
+  rounds.feed(&graph, 0, kBefore);
+  std::promise<void> go;
+  PoseGraphConfig config;
+  config.quiet_chi2 = 0.0;  // every loop pulls
+  config.loop_chi2 = 1e9;   // and none asks for more than a quick solve
+  config.wait_for_solver = false;
+  config.solver_begins = [gone = go.get_future().share()] { gone.wait(); };
+  PoseGraph again = camera_graph(false, config);
+  ASSERT_TRUE(restore(written(graph), &again));
+  const std::int64_t solves = again.counts().solves;
+  rounds.feed(&again, kBefore, kState - 1);
+  EXPECT_EQ(again.counts().solves, solves) << "nobody let it begin";
+  EXPECT_EQ(again.n_nodes(), static_cast<std::size_t>(kState - 1));
+  go.set_value();
+  while (again.counts().solves == solves) {
+    std::this_thread::yield();
+    PoseInput lost;
+    lost.state = PoseState::kLost;
+    lost.utime_us = again.newest_utime_us();
+    again.add_pose(lost);
+  }
 }
 
 TEST(SavedState, HalfOfItIsNothing) {
