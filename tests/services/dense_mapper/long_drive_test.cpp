@@ -120,8 +120,11 @@ TEST(DropSuperseded, DropsWhatASlowCountSays) {
   for (std::int64_t id = 1; id <= 8; ++id) {
     DenseSubmap& submap = submaps.try_emplace(id, 0.025).first->second;
     submap.closed = true;
+    Eigen::Array<double, 5, 1>
+        at;  // one after the other: compilers differ in the order of arguments
+    for (double& number : at) number = u(random);
     submap.T_map_submap =
-        from_xyz_rpy(u(random), u(random), u(random), 0.2 * u(random), 0, u(random));
+        from_xyz_rpy(0.5 * at[0], 0.5 * at[1], 0.5 * at[2], 0.2 * at[3], 0, at[4]);
     for (const CubeIndex index : {CubeIndex{0, 0, 0}, CubeIndex{-1, 0, 0}, CubeIndex{0, -1, 1}}) {
       if (id == 4 && index.x < 0) continue;
       VoxelCells cells;
