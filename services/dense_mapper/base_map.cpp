@@ -67,12 +67,6 @@ void BaseMap::extend(const DenseSubmap& submap) {
   pack(&tiles);
 }
 
-void BaseMap::rebuild(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,
-                      std::int64_t upto) {
-  rebuild_cells(cubes, submaps, upto);
-  rebuild_points(cubes, submaps, upto);
-}
-
 void BaseMap::rebuild_cells(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,
                             std::int64_t upto) {
   VoxelCubes sums;

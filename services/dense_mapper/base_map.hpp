@@ -21,9 +21,8 @@ class BaseMap {
 
   // Adds a closed submap, as placed, whose id is above all that were added.
   void extend(const DenseSubmap& submap);
-  // These cubes have changed below: composed anew, of all closed submaps with id < upto.
-  void rebuild(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps, std::int64_t upto);
-  // The same in two steps, voxels and points. Both are to be done before the next extend().
+  // These cubes have changed below: composed anew, of all closed submaps with id < upto, voxels
+  // and points. Both are to be done before the next extend().
   void rebuild_cells(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,
                      std::int64_t upto);
   void rebuild_points(const std::set<CubeIndex>& cubes, const DenseSubmaps& submaps,

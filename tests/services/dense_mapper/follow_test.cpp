@@ -3,14 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "services/dense_mapper/dense_mapper.hpp"
+#include "tests/services/dense_mapper/published.hpp"
 #include "tests/services/dense_mapper/synthetic_room.hpp"
 
 namespace fusion_slam {
 namespace {
 
 constexpr int kViews = 8;
-
-using Content = std::map<TileKey, std::vector<std::uint8_t>>;
 
 class Follow : public testing::Test {
  protected:
@@ -33,12 +32,10 @@ class Follow : public testing::Test {
         id, render_room(view(id) * robot_.T_base_camera, camera_, id * 1'000'000)));
     mapper->set_pose(id, T_map_base, id * 1'000'000);
     mapper->integrate_ready();
-    take(mapper->update(false));
+    map_.add(mapper->update(false));
   }
   void drive(DenseMapper* mapper) {
-    octomap_.clear();
-    cloud_.clear();
-    grid_.clear();
+    map_ = {};
     for (int id = 1; id <= kViews; ++id) see(id, view(id), mapper);
   }
   static void bend(DenseMapper* mapper, std::int64_t utime_us) {
@@ -46,42 +43,21 @@ class Follow : public testing::Test {
   }
   int follow(DenseMapper* mapper) {
     int steps = 0;
-    for (; mapper->due() && steps < 1000; ++steps) take(mapper->update(false));
+    for (; mapper->due() && steps < 1000; ++steps) map_.add(mapper->update(false));
     return steps;
   }
-  void take(const DenseTiles& tiles) {
-    const auto put = [](const std::vector<Tile>& from, Content* to) {
-      for (const Tile& tile : from) {
-        if (tile.encoding == TileEncoding::kEmpty)
-          to->erase(tile.key);
-        else
-          (*to)[tile.key] = tile.data;
-      }
-    };
-    put(tiles.octomap, &octomap_);
-    put(tiles.cloud, &cloud_);
-    put(tiles.grid, &grid_);
-  }
-  struct Map {
-    Content octomap, cloud, grid;
-    bool operator==(const Map& other) const {
-      return octomap == other.octomap && cloud == other.cloud && grid == other.grid;
-    }
-  };
-  Map map() const { return {octomap_, cloud_, grid_}; }
-
   RobotModel robot_ = robot_with_camera_at(0.1);
   CameraModel camera_ = small_camera();
-  Content octomap_, cloud_, grid_;
+  Published map_;  // of the mapper at work
 };
 
 TEST_F(Follow, InStepsTheMapEndsAsAtOnce) {
   DenseMapper whole = mapper();
   drive(&whole);
-  const Map before = map();
+  const Published before = map_;
   bend(&whole, 20'000'000);
   EXPECT_EQ(follow(&whole), 1);
-  const Map at_once = map();
+  const Published at_once = map_;
   ASSERT_FALSE(before == at_once) << "the test is to move something";
   const std::size_t cubes = whole.cubes_followed();
 
@@ -91,7 +67,7 @@ TEST_F(Follow, InStepsTheMapEndsAsAtOnce) {
   bend(&stepwise, 20'000'000);
   EXPECT_EQ(follow(&stepwise), static_cast<int>((cubes + 1) / 2));
   EXPECT_EQ(stepwise.cubes_followed(), cubes) << "each once";
-  EXPECT_TRUE(map() == at_once);
+  EXPECT_TRUE(map_ == at_once);
 }
 
 TEST_F(Follow, WhatIsMappedAndMovesMeanwhileIsInItToo) {
@@ -100,14 +76,14 @@ TEST_F(Follow, WhatIsMappedAndMovesMeanwhileIsInItToo) {
     drive(&mapper);
     mapper.follow_at_most(cubes_a_step);
     bend(&mapper, 20'000'000);
-    take(mapper.update(false));
+    map_.add(mapper.update(false));
     for (int id = kViews + 1; id <= kViews + 4; ++id) see(id, bent(id), &mapper);
     mapper.set_pose(1, from_xyz_rpy(0, 0.3, 0, 0, 0, 0) * bent(1), 30'000'000);
     follow(&mapper);
-    return map();
+    return map_;
   };
-  const Map at_once = twice(1000);
-  const Map in_steps = twice(1);
+  const Published at_once = twice(1000);
+  const Published in_steps = twice(1);
   EXPECT_TRUE(in_steps.octomap == at_once.octomap);
   EXPECT_TRUE(in_steps.cloud == at_once.cloud);
   EXPECT_TRUE(in_steps.grid == at_once.grid);
@@ -118,14 +94,14 @@ TEST_F(Follow, WhoMayNotFollowMapsOn) {
   drive(&mapper);
   mapper.follow_at_most(1);
   bend(&mapper, 20'000'000);
-  take(mapper.update(false));
+  map_.add(mapper.update(false));
   const std::size_t cubes = mapper.cubes_followed();
   mapper.follow_moves(false);
   EXPECT_FALSE(mapper.due());
   see(kViews + 1, bent(kViews + 1), &mapper);
   EXPECT_EQ(mapper.cubes_followed(), cubes);
   EXPECT_EQ(mapper.integrated(), kViews + 1U);
-  take(mapper.update(true));
+  map_.add(mapper.update(true));
   EXPECT_FALSE(mapper.due()) << "the final map follows all";
 }
 
@@ -138,11 +114,11 @@ TEST_F(Follow, KilledOnTheWayItGoesOnFromThere) {
   mapper.write_all([&](const SavedBytes& bytes) { records.push_back(bytes); });
   std::vector<std::size_t> killed_after;
   while (mapper.due()) {
-    take(mapper.update(false));
+    map_.add(mapper.update(false));
     records.push_back(mapper.take_changes());
     killed_after.push_back(records.size());
   }
-  const Map undisturbed = map();
+  const Published undisturbed = map_;
   ASSERT_GT(killed_after.size(), 3U);
   for (const std::size_t n : killed_after) {
     SavedMap saved;
@@ -152,12 +128,10 @@ TEST_F(Follow, KilledOnTheWayItGoesOnFromThere) {
     DenseMapper again = this->mapper();
     ASSERT_TRUE(again.restore(std::move(saved)));
     bend(&again, 20'000'000);
-    octomap_.clear();
-    cloud_.clear();
-    grid_.clear();
-    take(again.update(false));
+    map_ = {};
+    map_.add(again.update(false));
     follow(&again);
-    EXPECT_TRUE(map() == undisturbed);
+    EXPECT_TRUE(map_ == undisturbed);
   }
 }
 

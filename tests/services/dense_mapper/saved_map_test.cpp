@@ -4,30 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "services/dense_mapper/dense_mapper.hpp"
+#include "tests/services/dense_mapper/published.hpp"
 #include "tests/services/dense_mapper/synthetic_room.hpp"
 
 namespace fusion_slam {
 namespace {
 
 constexpr int kKeyframes = 14;
-
-using Content = std::map<TileKey, std::vector<std::uint8_t>>;
-struct Published {
-  Content octomap, cloud, grid;
-  void add(const DenseTiles& tiles) {
-    const auto put = [](const std::vector<Tile>& from, Content* to) {
-      for (const Tile& tile : from) {
-        if (tile.encoding == TileEncoding::kEmpty)
-          to->erase(tile.key);
-        else
-          (*to)[tile.key] = tile.data;
-      }
-    };
-    put(tiles.octomap, &octomap);
-    put(tiles.cloud, &cloud);
-    put(tiles.grid, &grid);
-  }
-};
 
 // A robot that turns to and fro in the room; its graph bends once, after keyframe 9.
 class SavedMapTest : public testing::TestWithParam<bool> {
